@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use envgen::geometry::{unit_vector, wrap_angle};
 use glam::DVec2;
 
-use super::costmap::{CellCost, Node};
+use super::costmap::{CellCost, Costmap, Node, SIDE};
 use super::navigator::{Navigator, Planning, pose_of};
 use super::{Decision, ExplorationPolicy, PolicyInput};
 use crate::backend::{Command, TICK};
@@ -20,6 +20,9 @@ const CAUTION: f64 = 0.8;
 
 /// Seconds after which a robot in a room looks for goals in hallways again.
 const LOOK_AGAIN: f64 = 10.0;
+
+/// Metres from a narrow place within which a robot there is in a hallway.
+const BESIDE: f64 = 0.6;
 
 /// Hallways first, rooms later.
 ///
@@ -106,13 +109,14 @@ fn choose(
     home: &mut DVec2,
     next_look: &mut f64,
 ) -> Option<Node> {
-    let here = planning.pose.position;
+    let around = wide_around(planning.costmap, planning.pose.position);
     let Planning { costmap, frontiers, search, limit, .. } = planning;
     let (limit, goal) = (*limit, |node, _| frontiers.cluster_at(node).is_some());
     search.set_worst_allowed(CellCost::Near);
-    if here.distance(*home) < 0.5 || search.to(costmap, here, &[], *home).is_some() {
-        *home = here;
-        let node = search.nearest(costmap, here, planning.blocks, goal);
+    // From the home, which may leave a place that has turned out to be narrow, and not to it: no path would end there.
+    if let Some(here) = search.nearest(costmap, *home, &[], |node, _| around.contains(&node)) {
+        *home = costmap.point(here);
+        let node = search.nearest(costmap, *home, planning.blocks, goal);
         if node.is_some() {
             search.set_worst_allowed(limit);
             return node;
@@ -130,4 +134,19 @@ fn choose(
     }
     planning.search.set_worst_allowed(limit);
     planning.nearest()
+}
+
+/// The wide cell of a position; where it is narrow, as beside an object, those around.
+fn wide_around(costmap: &mut Costmap, p: DVec2) -> Vec<Node> {
+    let mut wide =
+        |p: DVec2| costmap.node_at(p).filter(|&node| costmap.cell_cost(node) <= CellCost::Near);
+    if let Some(node) = wide(p) {
+        return vec![node];
+    }
+    let reach = (BESIDE / SIDE) as i32;
+    let offsets = (-reach..=reach).flat_map(|row| (-reach..=reach).map(move |col| (col, row)));
+    offsets
+        .filter(|(col, row)| col * col + row * row <= reach * reach)
+        .filter_map(|(col, row)| wide(p + SIDE * DVec2::new(col.into(), row.into())))
+        .collect()
 }
