@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::agreement::{Agreement, Link, agreement};
 use super::design::{Part, ProofDesign};
 use super::run::ProofResult;
-use crate::experiment::stats::spearman;
+use crate::experiment::stats::{mean_and_half, spearman};
 
 /// All comparisons.
 #[derive(Clone, Debug, Serialize)]
@@ -67,7 +67,7 @@ pub struct Level {
     pub maps: usize,
     /// Mean of what is measured of them, by the dial.
     pub mean: f64,
-    /// Half the interval of 95 % of that mean.
+    /// Half of Student's interval of 95 % of that mean.
     pub half_interval: f64,
 }
 
@@ -172,10 +172,7 @@ fn levels(footprint: u32, maps: Vec<(f64, f64)>) -> Vec<Level> {
             .filter(|(requested, _)| (requested - level).abs() < 1.0)
             .map(|(_, measured)| *measured)
             .collect();
-        let n = own.len() as f64;
-        let mean = own.iter().sum::<f64>() / n;
-        let squares: f64 = own.iter().map(|x| (x - mean) * (x - mean)).sum();
-        let half_interval = 1.96 * (squares / (n - 1.0) / n).sqrt();
+        let (mean, half_interval) = mean_and_half(&own);
         (own.len() > 1).then_some(Level { footprint, level, maps: own.len(), mean, half_interval })
     };
     [1.0, 3.0, 5.0, 7.0, 9.0].into_iter().filter_map(level).collect()
@@ -304,6 +301,16 @@ mod tests {
         // Of 4 and 5 the others are 5 and 4.
         assert_eq!((value(reference.error), value(reference.near)), (4.0, 0.0));
         assert_eq!(value(found.rows[1].raw.rho), 1.0);
+    }
+
+    #[test]
+    fn levels_of_few_maps_have_the_interval_of_student() {
+        let found = levels(8, vec![(8.2, 4.0), (8.9, 5.0), (9.9, 6.0), (10.0, 9.0)]);
+        let [level] = &found[..] else { panic!("one level: {found:?}") };
+        assert_eq!((level.level, level.maps, level.mean), (9.0, 3, 5.0));
+        // Standard error 1 / sqrt 3, t(2, 97.5 %) = 4.302653.
+        let half = 4.302_652_73 / 3.0_f64.sqrt();
+        assert!((level.half_interval - half).abs() < 1e-6, "{level:?}");
     }
 
     #[test]

@@ -21,6 +21,7 @@ use serde::Serialize;
 
 pub use components::{Component, Components, Factorial, MeasureComponents, components};
 pub use measure::{MEASURES, MapValues, Measure, map_values};
+pub(crate) use order::mean_and_half;
 pub use order::{Mean, Order, Verdict, order};
 pub(crate) use rank::pearson;
 pub(super) use rank::ranks;

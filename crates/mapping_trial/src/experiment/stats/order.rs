@@ -124,6 +124,12 @@ pub fn order(
 
 /// Mean with Student's interval of 95 %, cut to the measure's range.
 fn mean(values: &[f64], most: f64) -> Interval {
+    let (value, half) = mean_and_half(values);
+    Interval { value, low: (value - half).max(0.0), high: (value + half).min(most) }
+}
+
+/// Mean, and half of Student's interval of 95 %.
+pub(crate) fn mean_and_half(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let value = values.iter().sum::<f64>() / count;
     let squares: f64 = values.iter().map(|x| (x - value) * (x - value)).sum();
@@ -133,7 +139,7 @@ fn mean(values: &[f64], most: f64) -> Interval {
         // One map has no spread: anything is possible.
         Err(_) => f64::INFINITY,
     };
-    Interval { value, low: (value - half).max(0.0), high: (value + half).min(most) }
+    (value, half)
 }
 
 #[cfg(test)]
