@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::panel::Panel;
-use crate::experiment::survey::Site;
+use crate::experiment::survey::{Failure, Site};
 use crate::score::Scores;
 use crate::trial::{EndReason, LogWorld};
 
@@ -28,6 +28,14 @@ pub enum MeasureError {
         /// Name of the condition.
         condition: String,
         /// Why.
+        reason: String,
+    },
+    /// A driver failed under a condition, which says nothing of the world.
+    #[error("the driver failed under the condition {condition:?} of the panel: {reason}")]
+    Driver {
+        /// Name of the condition.
+        condition: String,
+        /// What the driver did.
         reason: String,
     },
     /// The scores of the anchors do not make a scale.
@@ -86,14 +94,18 @@ impl<'a> Measuring<'a> {
     /// Runs one more trial under each of some conditions, on all threads of the current pool.
     ///
     /// # Errors
-    /// No trial can run under one of them.
+    /// No trial can run under one of them, or a driver fails.
     pub fn add(&mut self, conditions: &[usize]) -> Result<(), MeasureError> {
         let run = |condition: usize| {
             let own = &self.panel.conditions[condition];
             let noise = self.noise.offset(self.scores[condition].len() as u64);
-            let failed =
-                |reason: String| MeasureError::Trial { condition: own.name.clone(), reason };
-            let outcome = self.site.run(own, noise).map_err(|failure| failed(failure.reason()))?;
+            let outcome = self.site.run(own, noise).map_err(|failure| {
+                let condition = own.name.clone();
+                match failure {
+                    Failure::World(reason) => MeasureError::Trial { condition, reason },
+                    Failure::Driver(reason) => MeasureError::Driver { condition, reason },
+                }
+            })?;
             let is_explored = outcome.end == Some(EndReason::Explored);
             Ok((condition, (scores(&outcome.scores), is_explored)))
         };
@@ -176,7 +188,8 @@ impl<'a> Measuring<'a> {
 /// ```
 ///
 /// # Errors
-/// No trial can run under one of the conditions: the world has no start, or the robot does not fit there.
+/// No trial can run under one of the conditions: the world has no start, or the robot does not fit there;
+/// a driver fails.
 pub fn measure(
     world: &World,
     panel: &Panel,
@@ -226,6 +239,9 @@ fn estimate(conditions: &[Vec<f64>], usual_variance: f64) -> Estimate {
 
 #[cfg(test)]
 mod tests {
+    use envgen::hallway::HallwaySpec;
+    use envgen::{Blueprint, Spec};
+
     use super::*;
 
     #[test]
@@ -235,6 +251,19 @@ mod tests {
         // Three degrees of freedom without any spread, six with the usual one.
         let variance = 6.0 * 0.25 / 9.0;
         assert!((found.standard_error - (variance * 1.25_f64).sqrt() / 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_failure_of_a_driver_is_not_the_worlds() {
+        let mut panel = Panel::reference();
+        panel.conditions.truncate(1);
+        panel.conditions[0].driver = Some("no-such-program".to_owned());
+        let room = HallwaySpec { segments: 1, pitch: 8.1, width: 8.0, ..Default::default() };
+        let world = room.generate(Seed(1)).expect("a room").to_world();
+        let mut measuring = Measuring::new(&world, &panel, Seed(1));
+        let text = measuring.add(&[0]).expect_err("no driver").to_string();
+        let start = "the driver failed under the condition \"nearest, lms200_mm\" of the panel: it cannot be started";
+        assert!(text.starts_with(start), "{text}");
     }
 
     #[test]

@@ -81,7 +81,7 @@ pub enum ExperimentError {
         reason: String,
     },
     /// A driver failed: of such a trial nothing is kept.
-    #[error("world {map} ({family}), condition {condition}: {reason}")]
+    #[error("world {map} ({family}), condition {condition}: the driver failed: {reason}")]
     Driver {
         /// Number of the world in the survey.
         map: u32,

@@ -24,7 +24,7 @@ pub(crate) use design::{check_conditions, ron_options};
 pub use folder::{SURVEY_VERSION, SurveyFolder, SurveyProgress};
 pub use ranks::{FamilyRanks, Ranks, WorldRanks};
 pub use record::Record;
-pub(crate) use site::Site;
+pub(crate) use site::{Failure, Site};
 
 #[cfg(test)]
 mod tests;

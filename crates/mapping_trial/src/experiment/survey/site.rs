@@ -44,14 +44,7 @@ impl Failure {
     }
 
     fn driver(error: impl Display) -> Self {
-        Failure::Driver(format!("the driver failed: {error}"))
-    }
-
-    /// The reason in words.
-    pub(crate) fn reason(self) -> String {
-        match self {
-            Failure::World(reason) | Failure::Driver(reason) => reason,
-        }
+        Failure::Driver(error.to_string())
     }
 }
 
