@@ -189,7 +189,11 @@ fn group(family: String, condition: String, records: &[&Record]) -> Group {
 type Facet = (&'static str, fn(&Condition) -> String);
 
 const FACETS: [Facet; 4] = [
-    ("policy", |one| format!("{:?}", one.policy)),
+    // A driver drives in place of the policy, whichever that is.
+    ("policy", |one| match &one.driver {
+        Some(line) => format!("driver {line}"),
+        None => format!("{:?}", one.policy),
+    }),
     ("laser", |one| one.laser.clone()),
     ("odometry", |one| one.odometry.clone()),
     ("SLAM", |one| format!("{:?}", one.slam)),
@@ -262,4 +266,31 @@ fn measures(survey: &Survey, maps: &[&[&Record]]) -> Vec<MeasureComponents> {
         Some(MeasureComponents { symbol: measure.symbol, components: of(measure.of)? })
     });
     measures.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::policy::PolicyKind;
+
+    #[test]
+    fn a_driver_is_the_policy_whatever_the_field_says() {
+        let with = |policy, driver: Option<&str>, laser: &str| Condition {
+            policy,
+            driver: driver.map(str::to_owned),
+            laser: laser.to_owned(),
+            ..Condition::default()
+        };
+        let (nearest, cautious) = (PolicyKind::Nearest, PolicyKind::Cautious);
+        let names = |conditions: &[Condition]| factors(conditions).0;
+        // One driver under two names of policies is no factor that explains anything.
+        let same = [with(nearest, Some("a"), "usarsim"), with(cautious, Some("a"), "usarsim")];
+        assert_eq!(names(&same), [("condition", 2)]);
+        let drivers = [Some("a"), Some("b"), None];
+        let crossed: Vec<Condition> = ["usarsim", "urg_04lx"]
+            .iter()
+            .flat_map(|laser| drivers.map(|driver| with(nearest, driver, laser)))
+            .collect();
+        assert_eq!(names(&crossed), [("policy", 3), ("laser", 2)]);
+    }
 }
