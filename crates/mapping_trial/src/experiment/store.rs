@@ -140,11 +140,15 @@ impl Experiment {
             }
             let (text, path) = lines::read(part)?;
             for (place, record) in parse(&text, &head, &path)? {
-                if records.get(&place).is_some_and(|known| !known.agrees_with(&record)) {
+                let known = records.get(&place);
+                if known.is_some_and(|known| !known.agrees_with(&record)) {
                     let trial = name(&head.design, &record.trial);
                     return Err(ExperimentError::Code { path: part.clone(), trial });
                 }
-                records.insert(place, record);
+                // The order of the shares does not matter: of an earlier version's record and another, the other stays.
+                if known.is_none_or(|known| known.pose_error.is_none()) {
+                    records.insert(place, record);
+                }
             }
         }
         let Some(head) = whole else {

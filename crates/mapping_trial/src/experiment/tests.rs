@@ -299,6 +299,10 @@ fn records_say_how_far_off_the_last_pose_is() {
 
     // A folder of an earlier version, which continues.
     let lines = folder.path().join("trials.jsonl");
+    let newer = TempDir::new().unwrap();
+    for name in ["experiment.json", "trials.jsonl"] {
+        fs::copy(folder.path().join(name), newer.path().join(name)).unwrap();
+    }
     let earlier = fs::read_to_string(&lines).unwrap();
     let earlier: Vec<String> = earlier
         .lines()
@@ -311,6 +315,14 @@ fn records_say_how_far_off_the_last_pose_is() {
     fs::write(&lines, earlier.concat()).unwrap();
     let again = Experiment::open(folder.path(), &design, Shard::WHOLE).expect("the same trials");
     assert!(again.records().all(|record| record.pose_error.is_none()));
+    drop(again);
+    // Joined with what a later version found, in either order: what is known stays.
+    let parts = [folder.path().to_owned(), newer.path().to_owned()];
+    for order in [[0, 1], [1, 0]] {
+        let (merged, parts) = (TempDir::new().unwrap(), order.map(|i| parts[i].clone()));
+        let merged = Experiment::merge(merged.path(), &parts).expect("the same trials");
+        assert!(merged.records().all(|record| record.pose_error.is_some()), "{order:?}");
+    }
 }
 
 #[test]
