@@ -109,9 +109,18 @@ fn print(found: &Verified, request: Request, reachable: Dials<[f64; 2]>) {
     for line in compared(request, measured.dials, reachable) {
         println!("{line}");
     }
-    let race: Vec<String> =
-        found.race.iter().map(|dials| format!("{:.1}", dials.difficulty.value)).collect();
-    println!("measured by {} fresh trials; the race: {}", measured.trials, race.join(", "));
+    let race = race(request, &found.race);
+    println!("measured by {} fresh trials; the race: {race}", measured.trials);
+}
+
+/// What the race measured of each candidate, by each dial that is requested.
+fn race(request: Request, race: &[Dials<Estimate>]) -> String {
+    let requested = request.0.named().into_iter().enumerate().filter_map(|(i, (name, wanted))| {
+        wanted?;
+        let values = race.iter().map(|dials| format!("{:.1}", dials.named()[i].1.value));
+        Some(format!("{name} {}", values.collect::<Vec<String>>().join(", ")))
+    });
+    requested.collect::<Vec<String>>().join("; ")
 }
 
 #[expect(clippy::print_stderr, reason = "where warnings belong")]
@@ -184,6 +193,18 @@ mod tests {
             "  navigation  4.00, 95 % from 3.61 to 4.39",
         ];
         assert_eq!(compared(request, measured(4.0, 0.2), reachable), expected);
+    }
+
+    #[test]
+    fn races_are_shown_by_the_requested_dials() {
+        let estimate = |value| Estimate { value, standard_error: 0.3 };
+        let racer = |d, m, n| Dials { difficulty: d, mapping: m, navigation: n }.map(estimate);
+        let racers = [racer(5.0, 3.04, 6.2), racer(4.5, 2.96, 5.0)];
+        let shown = |difficulty, mapping, navigation| {
+            race(Request(Dials { difficulty, mapping, navigation }), &racers)
+        };
+        assert_eq!(shown(Some(5.0), None, None), "difficulty 5.0, 4.5");
+        assert_eq!(shown(None, Some(3.0), Some(6.0)), "mapping 3.0, 3.0; navigation 6.2, 5.0");
     }
 
     #[test]
