@@ -301,7 +301,8 @@ fn a_driver_of_your_own_takes_the_place_of_the_policies() {
     let conditions = &found["measurement"]["conditions"];
     assert_eq!(conditions.as_array().map(Vec::len), Some(1), "{conditions}");
     assert_eq!((&conditions[0]["explored"], folders()), (&Value::from(1), 1));
-    assert_eq!(found["measurement"]["measured"]["panel"], "mine, changed");
+    assert_eq!(found["measurement"]["measured"]["panel"], "mine, driver sh driver.sh");
+    assert_eq!(conditions[0]["condition"], "driver");
     // An empty room is an anchor, also on the scale of a driver that never moves.
     let difficulty = found["measurement"]["measured"]["dials"]["difficulty"]["value"].as_f64();
     assert!(difficulty.is_some_and(|value| value.abs() < 0.5), "{difficulty:?}");
@@ -331,7 +332,7 @@ fn maps_are_made_for_a_driver() {
     let world = std::fs::read_to_string(folder.path().join("map.json")).expect("a map");
     let world = World::from_json(&world).expect("a world");
     let measured = world.provenance.measured.expect("a measurement");
-    assert_eq!((measured.panel.as_str(), measured.trials), ("mine, changed", 1));
+    assert_eq!((measured.panel.as_str(), measured.trials), ("mine, driver sh driver.sh", 1));
 }
 
 #[test]
@@ -345,10 +346,7 @@ fn a_driver_that_fails_leaves_no_trial() {
     assert_eq!(with(" "), "error: --driver  : names no program\n");
     assert!(!at.join("out").exists());
     let text = with("no such program");
-    assert!(
-        text.contains("condition nearest: the driver failed: it cannot be started: "),
-        "{text}"
-    );
+    assert!(text.contains("condition driver: the driver failed: it cannot be started: "), "{text}");
     let text = with("sh driver.sh");
     assert!(text.contains("the driver failed: a line that is not an answer"), "{text}");
     assert!(text.contains("`speed`"), "{text}");

@@ -8,8 +8,8 @@ use envgen::calibration::Scale;
 use envgen::located::Locate;
 use envgen::world::Digest;
 use mapping_trial::difficulty::{Anchors, Panel, reference_scale};
-use mapping_trial::experiment::Shard;
 use mapping_trial::experiment::survey::Condition;
+use mapping_trial::experiment::{Shard, policy_name};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
@@ -76,33 +76,41 @@ impl PanelOptions {
                 Panel::from_ron(&std::fs::read_to_string(path).in_file(path)?).in_file(path)?
             }
         };
-        let before = panel.conditions.clone();
-        if let Some(path) = &self.robot {
-            let robot =
-                Robot::from_ron(&std::fs::read_to_string(path).in_file(path)?).in_file(path)?;
-            panel.conditions.iter_mut().for_each(|one| one.robot = robot.clone());
+        let robot = self.robot.as_ref().map(|path| {
+            let text = std::fs::read_to_string(path).in_file(path)?;
+            Ok::<_, Box<dyn Error>>((path, Robot::from_ron(&text).in_file(path)?))
+        });
+        if let Some((path, robot)) = robot.transpose()? {
+            let file = path.file_name().unwrap_or(path.as_os_str()).display();
+            change(&mut panel, &format!("robot {file}"), |one| one.robot = robot.clone());
         }
         if let Some(laser) = &self.laser {
             LaserProfile::named(laser).in_option("--laser", laser)?;
-            panel.conditions.iter_mut().for_each(|one| one.laser.clone_from(laser));
+            change(&mut panel, &format!("laser {laser}"), |one| one.laser.clone_from(laser));
         }
-        for condition in &mut panel.conditions {
-            condition.slam = self.slam.unwrap_or(condition.slam);
-            condition.wheel_calibration =
-                self.wheel_calibration.unwrap_or(condition.wheel_calibration);
-            condition.policy = self.policy.unwrap_or(condition.policy);
+        if let Some(slam) = self.slam {
+            change(&mut panel, &format!("slam {}", slam.name().unwrap_or_default()), |one| {
+                one.slam = slam
+            });
+        }
+        if let Some(errors) = self.wheel_calibration {
+            let what = format!("wheel calibration {}", errors.name().unwrap_or_default());
+            change(&mut panel, &what, |one| one.wheel_calibration = errors);
+        }
+        if let Some(policy) = self.policy {
+            change(&mut panel, &format!("policy {}", policy_name(policy)), |one| {
+                one.name = driven_by(policy_name(policy), one);
+                (one.policy, one.driver) = (policy, None);
+            });
         }
         if let Some(line) = &self.driver {
             mapping_trial::driver::command(line).in_option("--driver", line)?;
-            for condition in &mut panel.conditions {
+            change(&mut panel, &format!("driver {line}"), |one| {
+                one.name = driven_by("driver", one);
                 // The policy does not drive: with one for all, conditions that differ by it alone are one.
-                condition.policy = Condition::default().policy;
-                condition.driver = Some(line.clone());
-            }
-        }
-        if panel.conditions != before {
-            panel.name = format!("{}, changed", panel.name);
-            panel.drop_repeated();
+                one.policy = Condition::default().policy;
+                one.driver = Some(line.clone());
+            });
         }
         Ok(panel)
     }
@@ -120,5 +128,105 @@ impl PanelOptions {
         });
         let folder = survey::run(&survey, &folder, Shard::WHOLE, threads)?;
         Ok(anchors.scale(panel, folder.records())?)
+    }
+}
+
+/// Changes every condition of a panel, of which those that are now the same are one, and adds to its name what changed.
+fn change(panel: &mut Panel, what: &str, change: impl Fn(&mut Condition)) {
+    let before = panel.conditions.clone();
+    panel.conditions.iter_mut().for_each(change);
+    if panel.conditions == before {
+        return;
+    }
+    panel.name = format!("{}, {what}", panel.name);
+    panel.drop_repeated();
+    // Others may be called the same now.
+    for i in 1..panel.conditions.len() {
+        let (known, rest) = panel.conditions.split_at_mut(i);
+        let Some(own) = rest.first_mut() else { continue };
+        let is_known = |name: &String| known.iter().any(|one| one.name == *name);
+        let numbered = (2..).map(|n| format!("{} ({n})", own.name));
+        let mut names = std::iter::once(own.name.clone()).chain(numbered);
+        own.name = names.find(|name| !is_known(name)).unwrap_or_default();
+    }
+}
+
+/// What a condition is called with another driver: the policy in its name, if it is there, is replaced.
+fn driven_by(driver: &str, condition: &Condition) -> String {
+    let policy = policy_name(condition.policy);
+    match condition.name.split_once(", ") {
+        _ if condition.name == policy => driver.to_owned(),
+        Some((first, rest)) if first == policy => format!("{driver}, {rest}"),
+        _ => format!("{driver}, {}", condition.name),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn options() -> PanelOptions {
+        PanelOptions {
+            panel: None,
+            robot: None,
+            laser: None,
+            slam: None,
+            wheel_calibration: None,
+            policy: None,
+            driver: None,
+            anchors: None,
+            anchor_seeds: 1,
+        }
+    }
+
+    fn names(options: &PanelOptions) -> (String, Vec<String>) {
+        let panel = options.panel().expect("a panel");
+        (panel.name, panel.conditions.into_iter().map(|one| one.name).collect())
+    }
+
+    #[test]
+    fn panels_are_named_by_what_changed() {
+        let reference = Panel::reference();
+        let unchanged = PanelOptions { slam: Some(SlamKind::ScanToMap), ..options() };
+        assert_eq!(unchanged.panel().expect("a panel"), reference);
+        let folder = tempfile::tempdir().expect("a folder");
+        let robot = folder.path().join("small.ron");
+        std::fs::write(&robot, "(length: 0.4, width: 0.4)").expect("a file");
+        let changed = PanelOptions {
+            robot: Some(robot),
+            laser: Some("wide_12m".to_owned()),
+            slam: Some(SlamKind::PoseGraph),
+            ..options()
+        };
+        let name = "reference, robot small.ron, laser wide_12m, slam pose_graph";
+        assert_eq!(names(&changed).0, name);
+    }
+
+    #[test]
+    fn conditions_are_named_after_what_drives() {
+        let corridors = PanelOptions { policy: Some(PolicyKind::Corridors), ..options() };
+        let three = |who: &str| ["lms200_mm", "rough", "short"].map(|x| format!("{who}, {x}"));
+        let (name, conditions) = names(&corridors);
+        assert_eq!(
+            (name.as_str(), &conditions[..]),
+            ("reference, policy corridors", &three("corridors")[..])
+        );
+        let driver = PanelOptions { driver: Some("sh mine.sh".to_owned()), ..options() };
+        let (name, conditions) = names(&driver);
+        assert_eq!(
+            (name.as_str(), &conditions[..]),
+            ("reference, driver sh mine.sh", &three("driver")[..])
+        );
+        // Names of your own stay in those of before, and are never the same.
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("panel.ron");
+        let conditions = "(name: \"nearest, a\"), (name: \"cautious, a\", policy: cautious, time_limit: 9), \
+                          (name: \"b\", time_limit: 7)";
+        let text = format!("(name: \"mine\", version: 1, conditions: [{conditions}])");
+        std::fs::write(&file, text).expect("a file");
+        let mine = PanelOptions { panel: Some(file), ..corridors };
+        let (name, conditions) = names(&mine);
+        assert_eq!(name, "mine, policy corridors");
+        assert_eq!(conditions, ["corridors, a", "corridors, a (2)", "corridors, b"]);
     }
 }
