@@ -294,6 +294,14 @@ impl Shard {
         assert!(self.of > 0, "`of` is 0 shares");
         place as u64 % u64::from(self.of) + 1 == u64::from(self.index)
     }
+
+    /// The same where items of several kinds take turns: each share gets every kind.
+    #[track_caller]
+    pub(crate) fn has_of(self, place: usize, kinds: usize) -> bool {
+        let kinds = kinds.max(1);
+        // The first of a round is of another share than the first of the round before.
+        self.has(place / kinds + place % kinds)
+    }
 }
 
 impl fmt::Display for Shard {
@@ -383,6 +391,22 @@ mod tests {
         for bad in ["0/3", "4/3", "3", "", "a/b", "1/0", "-1/3", "1/3/5"] {
             let error = bad.parse::<Shard>().expect_err("no shard").to_string();
             assert!(error.starts_with("`shard` must be "), "{error}");
+        }
+    }
+
+    #[test]
+    fn shards_get_every_kind() {
+        for (kinds, of) in [(1, 3), (2, 2), (2, 4), (3, 2), (4, 2), (3, 3), (6, 4)] {
+            let maps = 4 * of as usize * kinds;
+            for index in 1..=of {
+                let shard = Shard { index, of };
+                let own: Vec<usize> =
+                    (0..maps).filter(|&place| shard.has_of(place, kinds)).collect();
+                for kind in 0..kinds {
+                    let count = own.iter().filter(|&&place| place % kinds == kind).count();
+                    assert_eq!(count, 4, "{kinds} kinds, share {shard}");
+                }
+            }
         }
     }
 

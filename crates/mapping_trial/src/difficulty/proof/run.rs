@@ -40,9 +40,8 @@ struct Winner {
 /// Called with the name of a stage, the number of finished steps of it and of all.
 pub type Watch<'a> = &'a (dyn Fn(&str, u64, u64) -> ControlFlow<()> + Sync);
 
-/// Runs what is left of a share of a part, whose maps are dealt to the shares in order, and returns the results of its
-/// maps in which trials of every panel can run; `None`
-/// where `watch` stopped it.
+/// Runs what is left of a share of a part, which has maps of every footprint, and returns the results of its maps in
+/// which trials of every panel can run; `None` where `watch` stopped it.
 ///
 /// # Errors
 /// A file cannot be written, holds something else, or its trials now give other results.
@@ -59,15 +58,20 @@ pub fn run(
     if maps.is_empty() {
         return Ok(Some(Vec::new()));
     }
-    if part == Part::Verified && !races(&mut maps, &folder.join(RACE), shard, threads, watch)? {
-        return Ok(None);
+    let kinds = design.footprints.len();
+    if part == Part::Verified {
+        let own = maps.iter_mut().enumerate().filter(|(i, _)| shard.has_of(*i, kinds));
+        let own = own.map(|(_, map)| map).collect();
+        if !races(own, &folder.join(RACE), threads, watch)? {
+            return Ok(None);
+        }
     }
     let mut scores = vec![Vec::new(); maps.len()];
     for panel in design.panels() {
         let stage = format!("{}, {}", part.name(), panel.name);
         let folder = folder.join(inner_folder(part, &panel));
         let survey = design.survey(&maps, panel);
-        let mut folder = SurveyFolder::open(&folder, &survey, shard)?;
+        let mut folder = SurveyFolder::open_of_kinds(&folder, &survey, shard, kinds)?;
         let watch = |progress: SurveyProgress<'_>| watch(&stage, progress.done, progress.all);
         if !folder.run(threads, &watch)? {
             return Ok(None);
@@ -132,11 +136,10 @@ fn folder_name(panel: &str) -> String {
     words.collect::<Vec<&str>>().join("_").to_lowercase()
 }
 
-/// Replaces each map of a share by the winner of its race; false where `watch` stopped it.
+/// Replaces each map by the winner of its race; false where `watch` stopped it.
 fn races(
-    maps: &mut [ProofMap],
+    maps: Vec<&mut ProofMap>,
     folder: &Path,
-    shard: Shard,
     threads: usize,
     watch: Watch<'_>,
 ) -> Result<bool, ExperimentError> {
@@ -145,12 +148,9 @@ fn races(
     write::folder(folder)?;
     let (mut lines, text) = Lines::open(folder)?;
     let winners = winners(&text, &lines.path)?;
-    let numbered = maps.iter_mut().enumerate();
-    let own: Vec<&mut ProofMap> =
-        numbered.filter(|(number, _)| shard.has(*number)).map(|(_, map)| map).collect();
-    let all = own.len() as u64;
+    let all = maps.len() as u64;
     let panel = Panel::reference();
-    for (map, done) in own.into_iter().zip(1..) {
+    for (map, done) in maps.into_iter().zip(1..) {
         let seed = map.seed;
         if let Some(known) = winners.get(&seed) {
             map.win(known, &lines.path)?;

@@ -31,7 +31,18 @@ const HEAD: &str = "survey.json";
 struct Head {
     version: u32,
     shard: Shard,
+    /// Number of kinds of worlds that take turns, of which each share gets all; 1 for the whole.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    kinds: usize,
     survey: Survey,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn is_one(count: &usize) -> bool {
+    *count == one()
 }
 
 /// Number of the world, of the condition and of the noise seed.
@@ -71,9 +82,20 @@ impl SurveyFolder {
     /// A survey that is not allowed; a folder that cannot be written, holds another survey, is
     /// in use, or holds trials that now give other results.
     pub fn open(folder: &Path, survey: &Survey, shard: Shard) -> Result<Self, ExperimentError> {
+        SurveyFolder::open_of_kinds(folder, survey, shard, one())
+    }
+
+    /// The same of a survey in which worlds of several kinds take turns: a share gets worlds of each.
+    pub(crate) fn open_of_kinds(
+        folder: &Path,
+        survey: &Survey,
+        shard: Shard,
+        kinds: usize,
+    ) -> Result<Self, ExperimentError> {
         survey.validate()?;
         shard.validate()?;
-        let head = Head { version: SURVEY_VERSION, shard, survey: survey.clone() };
+        let kinds = if shard == Shard::WHOLE { one() } else { kinds };
+        let head = Head { version: SURVEY_VERSION, shard, kinds, survey: survey.clone() };
         write::folder(folder)?;
         let path = folder.join(HEAD);
         match head::read::<Head>(&path, "a survey", SURVEY_VERSION)? {
@@ -113,7 +135,8 @@ impl SurveyFolder {
         parts: &[PathBuf],
     ) -> Result<Self, ExperimentError> {
         survey.validate()?;
-        let whole = Head { version: SURVEY_VERSION, shard: Shard::WHOLE, survey: survey.clone() };
+        let (version, shard, kinds) = (SURVEY_VERSION, Shard::WHOLE, one());
+        let whole = Head { version, shard, kinds, survey: survey.clone() };
         let mut records: BTreeMap<Key, Record> = BTreeMap::new();
         for part in parts {
             let head = Head::of_share(part)?;
@@ -173,7 +196,7 @@ impl SurveyFolder {
         let todo: Vec<(SurveyMap<'_>, Vec<Key>)> = head
             .survey
             .maps()
-            .filter(|map| head.shard.has(map.number as usize))
+            .filter(|map| head.has(map.number))
             .map(|map| {
                 let keys = head.survey.keys(map.number);
                 (map, keys.filter(|key| !records.contains_key(key)).collect())
@@ -285,7 +308,7 @@ fn record(
 
 /// Reads whole lines, each a trial of this share that was not there before.
 fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<Key, Record>, ExperimentError> {
-    let own = head.survey.maps().filter(|map| head.shard.has(map.number as usize));
+    let own = head.survey.maps().filter(|map| head.has(map.number));
     let known: BTreeSet<Key> = own.flat_map(|map| head.survey.keys(map.number)).collect();
     let mut records = BTreeMap::new();
     for (i, line) in text.lines().enumerate() {
@@ -323,18 +346,23 @@ impl Head {
         let mut survey = self.survey.clone();
         let mut next = 0;
         for (own, other) in survey.families.iter_mut().zip(&other.families) {
-            let mut numbers = next..next + own.maps as usize;
+            let mut numbers = next..next + own.maps;
             next = numbers.end;
-            if own.maps == other.maps && !numbers.any(|number| self.shard.has(number)) {
+            if own.maps == other.maps && !numbers.any(|number| self.has(number)) {
                 own.clone_from(other);
             }
         }
         survey
     }
 
+    /// Whether the world of a number is of this share.
+    fn has(&self, number: u32) -> bool {
+        self.shard.has_of(number as usize, self.kinds)
+    }
+
     /// Number of trials of this share.
     fn all(&self) -> u64 {
-        let maps = self.survey.maps().filter(|map| self.shard.has(map.number as usize)).count();
+        let maps = self.survey.maps().filter(|map| self.has(map.number)).count();
         let per_map = self.survey.conditions.len() as u64 * u64::from(self.survey.noise_seeds);
         maps as u64 * per_map
     }

@@ -74,6 +74,38 @@ fn shares_have_their_own_worlds_and_other_surveys_are_refused() {
 }
 
 #[test]
+fn shares_get_worlds_of_all_kinds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let mut survey = survey();
+    // Two kinds take turns, as in the proof.
+    let families =
+        (0..4).map(|i| Family { maps: 1, name: i.to_string(), ..survey.families[i % 2].clone() });
+    survey.families = families.collect();
+    survey.conditions.truncate(1);
+    let shares = [path("1"), path("2")];
+    let expected: [&[u32]; 2] = [&[0, 3], &[1, 2]];
+    for ((index, path), expected) in (1..).zip(&shares).zip(expected) {
+        let shard = Shard { index, of: 2 };
+        let share = SurveyFolder::open_of_kinds(path, &survey, shard, 2);
+        let mut share = share.expect("a folder");
+        assert!(share.run(1, ON).expect("trials"));
+        let mut maps: Vec<u32> = share.records().map(|record| record.map).collect();
+        maps.dedup();
+        assert_eq!(maps, expected);
+        drop(share);
+        let other = SurveyFolder::open(path, &survey, shard).expect_err("dealt otherwise");
+        assert!(other.to_string().contains("`kinds` is 2, expected null"), "{other}");
+    }
+    let merged = SurveyFolder::merge(&path("merged"), &shares).expect("both shares");
+    drop(merged);
+    // The whole is written as if there were no kinds.
+    SurveyFolder::open_of_kinds(&path("merged"), &survey, Shard::WHOLE, 2).expect("the same");
+    let head = std::fs::read_to_string(path("merged").join("survey.json")).expect("a head");
+    assert!(!head.contains("kinds"), "{head}");
+}
+
+#[test]
 fn a_share_need_not_know_the_worlds_of_others() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
