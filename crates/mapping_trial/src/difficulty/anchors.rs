@@ -1,5 +1,8 @@
 //! Anchors: the worlds that fix 0 and 10 of the scale.
 
+use std::collections::BTreeSet;
+
+use envgen::WorldSpec;
 use envgen::calibration::{Calibration, Scale};
 use serde::{Deserialize, Serialize};
 
@@ -56,7 +59,23 @@ impl Anchors {
         Survey { families, conditions: panel.conditions.clone(), noise_seeds }
     }
 
-    /// The scale of a panel, from the trials of its [survey](Anchors::survey) of these anchors.
+    /// Number of the anchors in which some trial cannot run.
+    pub fn failed<'a>(&self, records: impl IntoIterator<Item = &'a Record>) -> usize {
+        let failed = records.into_iter().filter(|record| record.scores.is_none());
+        failed.map(|record| record.map).collect::<BTreeSet<u32>>().len()
+    }
+
+    /// Width of the narrowest doorways in metres; `None` without any.
+    pub fn narrowest_doorway(&self) -> Option<f64> {
+        let doorway = |family: &Family| match &family.spec {
+            WorldSpec::Indoor(spec) => Some(spec.doorway_narrowest.unwrap_or(spec.doorway)),
+            _ => None,
+        };
+        self.easy.iter().chain(&self.hard).filter_map(doorway).min_by(f64::total_cmp)
+    }
+
+    /// The scale of a panel, from the trials of its [survey](Anchors::survey) of these anchors, without those that
+    /// [failed](Anchors::failed).
     ///
     /// # Errors
     /// The hard anchors do not score more than the easy ones.
@@ -182,6 +201,16 @@ mod tests {
             "the hard anchors must score more than the easy ones, got 4 and 5 of difficulty"
         );
         Ok(())
+    }
+
+    #[test]
+    fn anchors_that_fail_are_counted_once() {
+        let anchors = Anchors::first();
+        assert_eq!(anchors.narrowest_doorway(), Some(0.82));
+        let failed =
+            |map| Record { map, failure: Some("too large".to_owned()), ..Record::default() };
+        let records = [record(0, 1.0), failed(20), failed(20), record(21, 3.0), failed(39)];
+        assert_eq!(anchors.failed(&records), 2);
     }
 
     #[test]

@@ -14,6 +14,7 @@ use mapping_trial::difficulty::{NEAR_REQUEST, Panel, Verified, most_trials, veri
 
 use crate::panel::PanelOptions;
 use crate::progress;
+use crate::warning::warn;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -121,11 +122,6 @@ fn race(request: Request, race: &[Dials<Estimate>]) -> String {
         Some(format!("{name} {}", values.collect::<Vec<String>>().join(", ")))
     });
     requested.collect::<Vec<String>>().join("; ")
-}
-
-#[expect(clippy::print_stderr, reason = "where warnings belong")]
-fn warn(text: &str) {
-    eprintln!("warning: {text}");
 }
 
 /// Each dial as it was measured; beside those that are requested, the request and what the settings reach.

@@ -15,6 +15,7 @@ mod progress;
 mod score;
 mod spinner;
 mod survey;
+mod warning;
 
 use std::error::Error;
 use std::process::ExitCode;

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use envgen::calibration::Scale;
+use envgen::indoor::STEP;
 use envgen::located::Locate;
 use envgen::world::Digest;
 use mapping_trial::difficulty::{Anchors, Panel, reference_scale};
-use mapping_trial::experiment::survey::Condition;
+use mapping_trial::experiment::survey::{Condition, Record};
 use mapping_trial::experiment::{Shard, policy_name};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
@@ -17,6 +18,7 @@ use mapping_trial::robot::Robot;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 
 use crate::survey;
+use crate::warning::warn;
 
 /// Options that replace parts of the panel.
 #[derive(Args)]
@@ -127,8 +129,35 @@ impl PanelOptions {
             PathBuf::from("out").join(format!("anchors-{}", &digest[..12]))
         });
         let folder = survey::run(&survey, &folder, Shard::WHOLE, threads)?;
+        for text in warnings(&anchors, panel, folder.records()) {
+            warn(&text);
+        }
         Ok(anchors.scale(panel, folder.records())?)
     }
+}
+
+/// Why the scale of a panel may be another than it seems: anchors that its robots cannot map, or not all of.
+fn warnings<'a>(
+    anchors: &Anchors,
+    panel: &Panel,
+    records: impl IntoIterator<Item = &'a Record>,
+) -> Vec<String> {
+    let (failed, all) = (anchors.failed(records), anchors.survey(panel, 1).maps().count());
+    let failed = (failed > 0).then(|| {
+        format!(
+            "trials cannot run in {failed} of the {all} anchors; the scale is that of the others"
+        )
+    });
+    let radii = panel.conditions.iter().map(|condition| condition.robot.circumscribed_radius);
+    let need = 2.0 * (radii.fold(0.0, f64::max) + STEP);
+    let narrowest = anchors.narrowest_doorway().filter(|doorway| need > doorway + 1e-9);
+    let narrow = narrowest.map(|doorway| {
+        format!(
+            "the panel's largest robot needs doorways of {need:.2} m, those of the anchors are of {doorway:.2} m: it \
+             maps only a part of each hard anchor, and 10 is the difficulty of that part"
+        )
+    });
+    failed.into_iter().chain(narrow).collect()
 }
 
 /// Changes every condition of a panel, of which those that are now the same are one, and adds to its name what changed.
@@ -163,6 +192,8 @@ fn driven_by(driver: &str, condition: &Condition) -> String {
 
 #[cfg(test)]
 mod tests {
+    use mapping_trial::score::Scores;
+
     use super::*;
 
     fn options() -> PanelOptions {
@@ -200,6 +231,26 @@ mod tests {
         };
         let name = "reference, robot small.ron, laser wide_12m, slam pose_graph";
         assert_eq!(names(&changed).0, name);
+    }
+
+    #[test]
+    fn anchors_that_a_robot_cannot_map_are_a_warning() {
+        let (anchors, mut panel) = (Anchors::first(), Panel::reference());
+        let scores = |map| Record { map, scores: Some(Scores::default()), ..Record::default() };
+        let records = [scores(0), scores(20)];
+        assert_eq!(warnings(&anchors, &panel, &records), [""; 0]);
+        panel.conditions[2].robot.circumscribed_radius = 0.36;
+        assert_eq!(warnings(&anchors, &panel, &records), [""; 0]);
+        panel.conditions[2].robot.circumscribed_radius = 0.814;
+        let failed = Record { map: 39, failure: Some("no room".to_owned()), ..Record::default() };
+        let found = warnings(&anchors, &panel, &[scores(0), failed]);
+        assert_eq!(found.len(), 2);
+        assert_eq!(
+            found[0],
+            "trials cannot run in 1 of the 40 anchors; the scale is that of the others"
+        );
+        let narrow = "the panel's largest robot needs doorways of 1.73 m, those of the anchors are of 0.82 m";
+        assert!(found[1].starts_with(narrow), "{found:?}");
     }
 
     #[test]
