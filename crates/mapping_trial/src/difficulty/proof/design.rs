@@ -265,7 +265,10 @@ mod tests {
     #[test]
     fn designs_of_difficulties_are_written_as_before_there_were_dials() {
         let json = serde_json::to_string(&ProofDesign::quick()).expect("JSON");
-        let expected = r#"{"footprints":[8],"maps":16,"verified":0,"thesis":8,"link":8,"noise_seeds":1,"panel_trials":1,"held_out":[],"seed":77000000}"#;
+        let expected = concat!(
+            r#"{"footprints":[8],"maps":16,"verified":0,"thesis":8,"link":8,"noise_seeds":1,"#,
+            r#""panel_trials":1,"held_out":[],"seed":77000000}"#
+        );
         assert_eq!(json, expected);
         assert_eq!(serde_json::from_str::<ProofDesign>(&json).ok(), Some(ProofDesign::quick()));
     }

@@ -204,8 +204,8 @@ fn singles(analysis: &Analysis) -> Markup {
     let rows: Vec<Vec<Markup>> = analysis.singles.iter().map(row).collect();
     html! {
         p.note {
-            "The setting, the product of two settings, and the feature whose squared rank correlation with the measured difficulty of the \
-             calibrated maps is the greatest, and that of the metres of wall."
+            "The setting, the product of two settings, and the feature whose squared rank correlation with the \
+             measured difficulty of the calibrated maps is the greatest, and that of the metres of wall."
         }
         (table("", &head(["cells", "of", "name", "explained", "metres of wall"]), &rows))
     }
