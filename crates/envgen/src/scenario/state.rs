@@ -21,8 +21,8 @@ use crate::raycast::Raycaster;
 use crate::seed::Seed;
 use crate::world::{Digest, World};
 
-/// A step is due when the time is within this many seconds of it, so that the rounding of a sum of small steps
-/// does not delay it.
+/// A tick is due when the time is within this many seconds of it, so that the rounding of small steps does not delay
+/// it.
 const ROUNDING: f64 = 1e-6;
 
 /// The longest step in seconds.
@@ -40,8 +40,9 @@ const MAX_PLACES: usize = 1 << 14;
 #[derive(Clone, Debug)]
 pub struct ScenarioState {
     pub(super) scene: Arc<Scene>,
-    time: f64,
     tick: u64,
+    /// Seconds since the last tick, instead of those since the start, whose rounding would grow with them.
+    since_tick: f64,
     pub(super) doors: Vec<DoorState>,
     /// Commands of the last tick and since.
     commands: Vec<GivenDoorCommand>,
@@ -147,7 +148,15 @@ impl ScenarioState {
         let places = scene.walk.as_ref().map_or(0, |walk| walk.routes.places.len());
         let crowd = Crowd::new(&scene.people, places, (&scene.settings, scene.seed), near);
         let smoke = scene.smoke.start();
-        ScenarioState { scene, time: 0.0, tick: 0, doors, commands: Vec::new(), crowd, smoke }
+        ScenarioState {
+            scene,
+            tick: 0,
+            since_tick: 0.0,
+            doors,
+            commands: Vec::new(),
+            crowd,
+            smoke,
+        }
     }
 
     /// The same scenario from its start.
@@ -202,13 +211,14 @@ impl ScenarioState {
         for (i, robot) in robots.iter().enumerate() {
             robot.check().map_err(|error| error.within(&format!("robots[{i}]")))?;
         }
-        self.time += dt;
-        while (self.tick + 1) as f64 * TICK <= self.time + ROUNDING {
+        let (before, elapsed) = (self.tick, self.since_tick + dt);
+        while (self.tick - before + 1) as f64 * TICK <= elapsed + ROUNDING {
             let last = self.tick;
             self.commands.retain(|given| given.tick == last);
             self.tick += 1;
             self.advance(robots);
         }
+        self.since_tick = elapsed - (self.tick - before) as f64 * TICK;
         Ok(())
     }
 
@@ -254,9 +264,9 @@ impl ScenarioState {
         !self.scene.smoke.is_empty()
     }
 
-    /// Seconds since the start, as the sum of all steps.
+    /// Seconds since the start: the sum of all steps.
     pub fn time(&self) -> f64 {
-        self.time
+        self.tick as f64 * TICK + self.since_tick
     }
 
     /// Ticks since the start, [`TICKS_PER_SECOND`](super::TICKS_PER_SECOND) per second.

@@ -74,6 +74,45 @@ fn without_settings_nothing_moves() {
     }
 }
 
+#[test]
+fn ticks_are_as_exact_after_days_as_at_the_start() {
+    let world = indoor(3, 5);
+    let scenario = Scenario::new(&world, &ScenarioSpec::default(), Seed(1)).unwrap();
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    // 56 hours: a sum of steps of 0.05 s would have missed a tick after 44 hours.
+    for tick in 1..=4_000_000 {
+        state.step(0.05, &[]).unwrap();
+        assert_eq!(state.tick(), tick);
+    }
+    assert!((state.time() - 200_000.0).abs() < 1e-6);
+    let mut short = state.clone();
+    for half in 1..=200_000 {
+        short.step(0.025, &[]).unwrap();
+        assert_eq!(short.tick(), 4_000_000 + half / 2);
+    }
+    // A frame of 1/60 s is no whole part of a tick.
+    let mut frames = state.clone();
+    for frame in 1..=300_000 {
+        frames.step(1.0 / 60.0, &[]).unwrap();
+        assert_eq!(frames.tick(), 4_000_000 + frame / 3);
+    }
+    state.step(5000.0, &[]).unwrap();
+    assert_eq!(state.tick(), 4_100_000);
+    for other in [short, frames] {
+        assert_eq!(other.tick(), state.tick());
+        assert!((other.time() - state.time()).abs() < 1e-6);
+    }
+    // As are days in single steps, and ten seconds after another month.
+    for _ in 0..30 {
+        state.step(86_400.0, &[]).unwrap();
+    }
+    assert_eq!(state.tick(), 4_100_000 + 30 * 1_728_000);
+    for tick in 1..=200 {
+        state.step(0.05, &[]).unwrap();
+        assert_eq!(state.tick(), 4_100_000 + 30 * 1_728_000 + tick);
+    }
+}
+
 /// The error of a scenario in a world.
 fn refusal(world: &World, spec: ScenarioSpec) -> String {
     Scenario::new(world, &spec, Seed(1)).unwrap_err().to_string()
