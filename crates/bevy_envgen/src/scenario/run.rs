@@ -25,11 +25,17 @@ use crate::shape::LocalFrame;
 pub struct ScenarioRun {
     scenario: Arc<Scenario>,
     pub(super) state: ScenarioState,
-    is_paused: bool,
-    pub(super) ignores_commands: bool,
+    pub(super) switches: Switches,
     pub(super) people: Vec<Entity>,
     pub(super) doors: Vec<DoorEntity>,
     pub(super) smoke: Vec<Entity>,
+}
+
+/// What a scenario that begins again on request keeps.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Switches {
+    is_paused: bool,
+    pub(super) ignores_commands: bool,
 }
 
 /// The entities of a door.
@@ -67,27 +73,45 @@ impl ScenarioRun {
         &self.smoke
     }
 
-    /// Opens, closes or slams a door at once, by its index in the scenario, as [`Door`] does in the next step.
+    /// Opens, closes or slams a door at once, by its index in the scenario, as [`Door`] does in the next step. While
+    /// commands are ignored, as in a replay, it does nothing.
     ///
     /// # Errors
     /// When there is no such door.
     pub fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
+        if self.switches.ignores_commands && door < self.doors.len() {
+            return Ok(());
+        }
         self.state.command_door(door, command)
     }
 
-    /// Whether commands given to [`Door`] components have no effect: true in a replay, whose log has the commands.
+    /// Gives a door a command of a log, also while those of programs are ignored.
+    ///
+    /// # Errors
+    /// When there is no such door.
+    pub fn replay_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
+        self.state.command_door(door, command)
+    }
+
+    /// Whether commands to [`Door`] components and [`ScenarioRun::command_door`] have no effect, also after a
+    /// [`RestartScenario`]: true in a replay, whose log has the commands.
     pub fn set_ignores_commands(&mut self, ignores: bool) {
-        self.ignores_commands = ignores;
+        self.switches.ignores_commands = ignores;
+    }
+
+    /// Whether commands to doors have no effect.
+    pub fn ignores_commands(&self) -> bool {
+        self.switches.ignores_commands
     }
 
     /// Whether nothing moves for now.
     pub fn is_paused(&self) -> bool {
-        self.is_paused
+        self.switches.is_paused
     }
 
     /// Stops everything, or lets it go on.
     pub fn set_paused(&mut self, is_paused: bool) {
-        self.is_paused = is_paused;
+        self.switches.is_paused = is_paused;
     }
 }
 
@@ -106,7 +130,7 @@ pub(super) fn start(world: &mut World, renewed: &mut QueryState<Asked, Renewed>)
     for (entity, has_world, is_endless) in renewed {
         // A world that its transform does not allow is not spawned either.
         if (has_world || is_endless) && check_transform(&global_transform(world, entity)).is_ok() {
-            begin(world, entity, false);
+            begin(world, entity, Switches::default());
         }
     }
 }
@@ -122,8 +146,8 @@ pub(super) fn restart(
         log::warn!("{entity} has no scenario that could begin again");
         return;
     };
-    let is_paused = run.is_paused;
-    commands.queue(move |world: &mut World| begin(world, entity, is_paused));
+    let switches = run.switches;
+    commands.queue(move |world: &mut World| begin(world, entity, switches));
 }
 
 /// Removes a scenario that is no longer requested.
@@ -158,7 +182,7 @@ pub(crate) fn remove(world: &mut World, environment: Entity) {
 }
 
 /// Begins the scenario of an environment in place of the one that it has.
-fn begin(world: &mut World, entity: Entity, is_paused: bool) {
+fn begin(world: &mut World, entity: Entity, switches: Switches) {
     let Ok(root) = world.get_entity(entity) else { return };
     let (Some(request), Some(environment)) =
         (root.get::<EnvironmentScenario>(), root.get::<Environment>())
@@ -182,7 +206,7 @@ fn begin(world: &mut World, entity: Entity, is_paused: bool) {
         Ok((scenario, state)) => {
             let run = spawn(world, (entity, origin), scenario, state);
             if let Ok(mut root) = world.get_entity_mut(entity) {
-                root.insert(ScenarioRun { is_paused, ..run });
+                root.insert(ScenarioRun { switches, ..run });
             }
             world.write_message(ScenarioStarted { entity });
             world.trigger(ScenarioStarted { entity });
@@ -246,5 +270,5 @@ fn spawn(
         world.spawn((part, name, at, global.mul_transform(at), belongs.clone())).id()
     });
     let smoke = smoke.collect();
-    ScenarioRun { scenario, state, is_paused: false, ignores_commands: false, people, doors, smoke }
+    ScenarioRun { scenario, state, switches: Switches::default(), people, doors, smoke }
 }

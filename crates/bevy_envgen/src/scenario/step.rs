@@ -23,13 +23,12 @@ pub(super) fn step(
         if run.is_paused() {
             continue;
         }
-        let ScenarioRun { state, doors: known, ignores_commands, .. } =
-            run.bypass_change_detection();
+        let ScenarioRun { state, doors: known, switches, .. } = run.bypass_change_detection();
         for (index, known) in known.iter().enumerate() {
             let command = doors.get(known.door).ok().and_then(|door| door.command);
             if let (Some(command), Ok(mut door)) = (command, doors.get_mut(known.door)) {
                 door.command = None;
-                if !*ignores_commands {
+                if !switches.ignores_commands {
                     // There is such a door.
                     state.command_door(index, command).ok();
                 }

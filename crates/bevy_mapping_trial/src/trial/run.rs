@@ -102,6 +102,7 @@ pub(super) fn begin(
                 log::warn!("trial in environment {entity}: {error}");
                 if let Some(moving) = &mut moving {
                     moving.set_paused(false);
+                    moving.set_ignores_commands(false);
                 }
                 trial.state = State::Failed(place);
                 commands.trigger(TrialFailed { entity, error });
@@ -142,13 +143,20 @@ fn prepare(
             _ => {}
         }
     }
+    let is_replay = matches!(ask, Request::Replay(_));
+    // A program may command doors before the first tick.
+    let waits = |moving: &ScenarioRun| {
+        let is_ours = !is_replay || moving.ignores_commands();
+        moving.is_paused() && moving.state().tick() == 0 && is_ours
+    };
     match (request, moving, failure) {
         (None, None, _) => Ok(true),
         (_, _, Some(failure)) => Err(failure.0.clone().into()),
-        (_, Some(moving), None) if moving.is_paused() && moving.state().tick() == 0 => Ok(true),
+        (_, Some(moving), None) if waits(moving) => Ok(true),
         (_, Some(moving), None) => {
             // With other entities, so that rapier remembers nothing of them.
             moving.set_paused(true);
+            moving.set_ignores_commands(is_replay);
             root.trigger(|entity| RestartScenario { entity });
             Ok(false)
         }
@@ -301,14 +309,13 @@ pub(super) fn command(
     }
 }
 
-/// Gives doors the log's commands for the next tick, and lets them ignore all others.
+/// Gives doors the log's commands for the next tick. They ignore all others.
 fn replay_doors(log: &TrialLog, moving: &mut ScenarioRun) {
-    moving.set_ignores_commands(true);
     let (given, tick) = (log.door_commands(), moving.state().tick());
     let first = given.partition_point(|given| given.tick < tick);
     for given in given[first..].iter().take_while(|given| given.tick == tick) {
         // A log that was read names doors of its scenario.
-        moving.command_door(given.door, given.command).ok();
+        moving.replay_door(given.door, given.command).ok();
     }
 }
 

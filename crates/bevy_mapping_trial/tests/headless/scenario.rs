@@ -13,7 +13,7 @@ use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::indoor::IndoorSpec;
 use envgen::scenario::smoke::smoke_range;
-use envgen::scenario::{FailedBeams, Person as ListedPerson, Reaction, SmokeProfile};
+use envgen::scenario::{DoorCommand, FailedBeams, Person as ListedPerson, Reaction, SmokeProfile};
 use envgen::world::{Doorway, Wall as Side, WallKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World as EnvWorld};
 use mapping_trial::backend::{Command, RobotBackend};
@@ -204,13 +204,38 @@ fn command_doors(mut doors: Query<&mut Door>, mut ticks: Local<u32>) {
     }
 }
 
+/// The same without the components of the doors.
+fn command_runs(mut runs: Query<&mut ScenarioRun>, mut ticks: Local<usize>) {
+    *ticks += 1;
+    for mut run in &mut runs {
+        for door in 0..run.doors().count() {
+            let command = match (*ticks + 17 * door) % 60 {
+                0 => DoorCommand::Slam,
+                20 => DoorCommand::Close,
+                40 => DoorCommand::Open,
+                _ => continue,
+            };
+            run.command_door(door, command).unwrap();
+        }
+    }
+}
+
 #[test]
 fn commands_to_doors_are_in_the_log_and_replay_to_the_bit() {
+    commands_to_doors_are_replayed(|app| _ = app.add_systems(FixedUpdate, command_doors));
+}
+
+#[test]
+fn commands_to_a_run_are_in_the_log_and_replay_to_the_bit() {
+    commands_to_doors_are_replayed(|app| _ = app.add_systems(FixedUpdate, command_runs));
+}
+
+fn commands_to_doors_are_replayed(add_commands: impl Fn(&mut App)) {
     let world = indoor();
     let door_control = DoorControl::Commanded;
     let scenario = of(&world, ScenarioSpec { doors: 0.6, people: 3, door_control, ..default() });
     let mut app = app();
-    app.add_systems(FixedUpdate, command_doors);
+    add_commands(&mut app);
     let root = spawn(&mut app, &world, &scenario);
     app.world_mut().entity_mut(root).insert(MappingTrial::new(settings(600.0)));
     step(&mut app, 500);

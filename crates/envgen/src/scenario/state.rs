@@ -148,15 +148,7 @@ impl ScenarioState {
         let places = scene.walk.as_ref().map_or(0, |walk| walk.routes.places.len());
         let crowd = Crowd::new(&scene.people, places, (&scene.settings, scene.seed), near);
         let smoke = scene.smoke.start();
-        ScenarioState {
-            scene,
-            tick: 0,
-            since_tick: 0.0,
-            doors,
-            commands: Vec::new(),
-            crowd,
-            smoke,
-        }
+        ScenarioState { scene, tick: 0, since_tick: 0.0, doors, commands: Vec::new(), crowd, smoke }
     }
 
     /// The same scenario from its start.
