@@ -135,7 +135,8 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         FLAT => {
             let build = |builder: TrialBuilder<'_>| builder.parts(parts).build_flat();
             let mut trial = log.replay_with(&world, build).in_file(path)?;
-            log.run_through_with(&mut trial, |trial| bar.set_position(trial.time() as u64));
+            let progress = |trial: &Trial<FlatSimulator>| bar.set_position(trial.time() as u64);
+            log.run_through_with(&mut trial, progress).in_file(path)?;
             bar.finish_and_clear();
             tell(arguments, &world, &trial, (bag, Vec::new()), clock)?
         }

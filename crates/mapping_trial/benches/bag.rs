@@ -27,7 +27,7 @@ fn main() {
     let replay = |parts: TrialParts| {
         let build = log.replay_with(&world, |builder| builder.parts(parts).build_flat());
         let mut trial = build.expect("its world");
-        log.run_through(&mut trial);
+        log.run_through(&mut trial).expect("the log's commands");
         trial
     };
     let mut bytes = 0;

@@ -205,7 +205,7 @@ fn replayed(
             builder.settings(|settings| settings.slam = slam).build_flat_in(flat.clone())
         })
         .expect("its own world");
-    log.run_through(&mut trial);
+    log.run_through(&mut trial).expect("the log's commands");
     trial
 }
 

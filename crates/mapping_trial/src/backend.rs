@@ -108,7 +108,7 @@ pub trait RobotBackend {
     }
 
     /// Commands a door of its scenario, as [`ScenarioState::command_door`] does. Replays need it where logs hold
-    /// commands to doors; in a backend without it, no door obeys.
+    /// commands to doors; in a backend without it they end with an error.
     ///
     /// # Errors
     /// When there is no such door.

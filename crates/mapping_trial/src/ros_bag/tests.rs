@@ -260,7 +260,7 @@ fn the_same_trial_gives_the_same_bytes_and_so_does_its_replay() {
     let again = record(|world, parts| {
         let build = |builder: TrialBuilder<'_>| builder.parts(parts).build_flat();
         let mut trial = log.replay_with(world, build).unwrap();
-        log.run_through(&mut trial);
+        log.run_through(&mut trial).unwrap();
         trial
     });
     assert_eq!(again.bytes, first.bytes);

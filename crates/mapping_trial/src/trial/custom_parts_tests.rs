@@ -2,6 +2,8 @@
 
 use envgen::geometry::Pose;
 use envgen::hallway::HallwaySpec;
+use envgen::indoor::IndoorSpec;
+use envgen::scenario::{DoorCommand, Scenario, ScenarioSpec};
 use envgen::{Blueprint, Seed, Spec, World};
 use glam::DVec2;
 
@@ -158,7 +160,7 @@ fn a_log_with_foreign_parts_replays_its_commands_and_names_them() {
     // With them, so does the map.
     let mut again =
         log.replay_with(&world, |builder| builder.slam(slam).build_flat()).expect("its own world");
-    log.run_through(&mut again);
+    log.run_through(&mut again).expect("the log's commands");
     assert_eq!(again.autonomy().slam().trajectory(0), trial.autonomy().slam().trajectory(0));
     let mut other = log.clone();
     other.engine = "wheels on desks".to_owned();
@@ -260,16 +262,51 @@ impl RobotBackend for Backwards {
     }
 }
 
+/// A trial of this backend.
+fn backwards<'w>(world: &'w World, builder: TrialBuilder<'w>) -> Trial<Backwards> {
+    let trial = builder.build(|setup, sensors| {
+        let TrialSettings { body, laser, .. } = setup.settings;
+        let flat = std::sync::Arc::new(crate::flat::FlatWorld::new(world, body).expect("a robot"));
+        Backwards(FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors))
+    });
+    trial.expect("a trial")
+}
+
+#[test]
+fn a_replay_that_cannot_command_doors_is_an_error() {
+    let spec = IndoorSpec { width: 5, height: 5, ..Default::default() };
+    let world = spec.generate(Seed(3)).expect("a map").to_world();
+    let doors = ScenarioSpec { doors: 1.0, ..Default::default() };
+    let scenario = Scenario::new(&world, &doors, Seed(1)).expect("doors");
+    let builder = Trial::builder(&world, short(3.0)).scenario(scenario);
+    let mut trial = builder.build_flat().expect("a trial");
+    for tick in 0..20 {
+        if tick == 10 {
+            trial.command_door(1, DoorCommand::Slam).expect("a door");
+        }
+        trial.step();
+    }
+    trial.stop();
+    let log = trial.log();
+    let mut again =
+        log.replay_with(&world, |builder| Ok(backwards(&world, builder))).expect("its own world");
+    let error = log.run_through(&mut again).expect_err("no doors").to_string();
+    assert_eq!(
+        error,
+        "`door_commands[0].door` must be the index of a door that the robot backend `backwards` \
+         commands, got 1"
+    );
+    assert_eq!(again.time(), 10.0 * TICK);
+    let mut flat = log.replay_with(&world, TrialBuilder::build_flat).expect("its own world");
+    assert_eq!(log.run_through(&mut flat), Ok(()));
+    assert_eq!(flat.log(), log);
+}
+
 #[test]
 fn bodies_of_ones_own_name_their_engine() {
     let world = hallway();
     let builder = Trial::builder(&world, short(2.0)).policy(ahead(0.3, u32::MAX));
-    let trial = builder.build(|setup, sensors| {
-        let TrialSettings { body, laser, .. } = setup.settings;
-        let flat = std::sync::Arc::new(crate::flat::FlatWorld::new(&world, body).expect("a robot"));
-        Backwards(FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors))
-    });
-    let trial = run(trial.expect("a trial"));
+    let trial = run(backwards(&world, builder));
     let (start, end) =
         (trial.trajectory(0).poses[0], trial.trajectory(0).poses.last().expect("poses"));
     assert!(envgen::geometry::unit_vector(start.heading).dot(end.position - start.position) < -0.2);

@@ -19,15 +19,15 @@ impl TrialLog {
     ///
     /// # Errors
     ///
-    /// As [`LogWorld::world`](super::LogWorld::world) and [`Trial::flat`]; or if the log's backend is not the
-    /// flat simulator.
+    /// As [`LogWorld::world`](super::LogWorld::world), [`Trial::flat`] and [`TrialLog::run_through`]; or if the
+    /// log's backend is not the flat simulator.
     pub fn replay(&self) -> Result<Trial<FlatSimulator>, TrialError> {
         if self.engine != FlatSimulator::ENGINE {
             return Err(TrialError::OtherEngine { found: self.engine.clone() });
         }
         let world = self.world.world()?;
         let mut trial = self.replay_with(&world, TrialBuilder::build_flat)?;
-        self.run_through(&mut trial);
+        self.run_through(&mut trial)?;
         Ok(trial)
     }
 
@@ -62,32 +62,43 @@ impl TrialLog {
     }
 
     /// Gives a trial made by [`TrialLog::replay_with`] all of the log's commands.
-    pub fn run_through<B: RobotBackend>(&self, trial: &mut Trial<B>) {
-        self.run_through_with(trial, |_| ());
+    ///
+    /// # Errors
+    ///
+    /// If the backend does not take a command to a door, which it names, such as `door_commands[3].door`. The trial
+    /// stays as it was before that tick.
+    pub fn run_through<B: RobotBackend>(&self, trial: &mut Trial<B>) -> Result<(), TrialError> {
+        self.run_through_with(trial, |_| ())
     }
 
     /// The same, with a call of `progress` after every tick.
+    ///
+    /// # Errors
+    ///
+    /// As [`TrialLog::run_through`].
     pub fn run_through_with<B: RobotBackend>(
         &self,
         trial: &mut Trial<B>,
         mut progress: impl FnMut(&Trial<B>),
-    ) {
+    ) -> Result<(), TrialError> {
         let mut tracks: Vec<_> = self.commands.iter().map(CommandLog::iter).collect();
-        let mut doors = self.door_commands.iter().peekable();
+        let mut doors = self.door_commands.iter().enumerate().peekable();
         let mut command_doors = |trial: &mut Trial<B>, tick: u64| {
-            while let Some(given) = doors.next_if(|given| given.tick <= tick) {
+            while let Some((i, given)) = doors.next_if(|(_, given)| given.tick <= tick) {
                 // A log names doors of its scenario; a backend of one's own may have none that obey.
-                trial.command_door(given.door, given.command).ok();
+                let obeyed = trial.command_door(given.door, given.command);
+                obeyed.map_err(|error| error.within(&format!("door_commands[{i}]")))?;
             }
+            Ok::<(), TrialError>(())
         };
         for tick in 0..self.ticks() {
-            command_doors(trial, tick);
+            command_doors(trial, tick)?;
             let commands: Vec<Command> =
                 tracks.iter_mut().map(|track| track.next().unwrap_or(Command::STOP)).collect();
             trial.step_with(&commands);
             progress(trial);
         }
-        command_doors(trial, self.ticks());
+        command_doors(trial, self.ticks())?;
         let stopped = |end: &Option<RobotEnd>| end.is_some_and(|e| e.reason == EndReason::Stopped);
         if self.ends.iter().any(stopped) {
             trial.stop();
@@ -95,5 +106,6 @@ impl TrialLog {
             // The last observation, after which there was no decision any more.
             trial.step_with(&[]);
         }
+        Ok(())
     }
 }

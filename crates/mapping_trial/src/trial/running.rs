@@ -182,7 +182,8 @@ impl<B: RobotBackend> Trial<B> {
         }
     }
 
-    /// Opens, closes or slams a door of its scenario, which begins with the next tick; the log holds it.
+    /// Opens, closes or slams a door of its scenario, which begins with the next tick; the log holds it. The flat
+    /// simulator obeys; trials in Bevy take commands by the components of their doors instead.
     ///
     /// ```
     /// use envgen::scenario::{DoorCommand, DoorControl, Scenario, ScenarioSpec};
