@@ -36,7 +36,7 @@ mod trial_arguments;
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -154,8 +154,10 @@ fn main() -> ExitCode {
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let threads = usize::from(arguments.threads);
-    if !arguments.merge.is_empty() {
+    if let Some(first) = arguments.merge.first() {
         if !arguments.hazards.is_empty() {
+            // Before anything is written.
+            hazards::check(&SurveyFolder::survey_of(first)?, &arguments.hazards)?;
             let folder = SurveyFolder::merge(&arguments.out, &arguments.merge)?;
             return print_costs(&arguments.hazards, &folder);
         }
@@ -179,11 +181,17 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     if shard == Shard::WHOLE {
         return write_report(&experiment, threads);
     }
-    println!("share {shard} is finished: {}", experiment.folder().display());
+    say_finished(shard, experiment.folder());
     Ok(())
 }
 
-/// Runs the maps with and without each hazard, and prints what each costs.
+/// Says that a share is finished: its results are not those of all.
+#[expect(clippy::print_stdout, reason = "what an example is for")]
+fn say_finished(shard: Shard, folder: &Path) {
+    println!("share {shard} is finished: {}", folder.display());
+}
+
+/// Runs the maps with and without each hazard, and prints what each costs; of a share that it is finished.
 fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     let hazards = &arguments.hazards;
     let survey = hazards::survey(design, hazards)?;
@@ -195,6 +203,10 @@ fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     });
     bar.finish_and_clear();
     result?;
+    if arguments.shard != Shard::WHOLE {
+        say_finished(arguments.shard, &arguments.out);
+        return Ok(());
+    }
     print_costs(hazards, &folder)
 }
 
@@ -202,7 +214,6 @@ fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn print_costs(hazards: &[Hazard], folder: &SurveyFolder) -> Result<(), ExperimentError> {
     let survey = folder.survey();
-    hazards::check(survey, hazards)?;
     let width = hazards.iter().map(|hazard| hazard.name.len()).max().unwrap_or(0);
     println!(
         "{:>width$} maps  D more             M more             N more             collisions with people  ghosts",

@@ -50,6 +50,29 @@ fn shards_join_into_the_report_of_one_run() {
 }
 
 #[test]
+fn shares_with_hazards_join_into_one_table() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = |name: &str| folder.path().join(name);
+    let small = [&SMALL[..], &["--policies=nearest", "--hazards=doors"]].concat();
+    for shard in ["1/2", "2/2"] {
+        let reported = EXAMPLE.ok(&[&small[..], &["--shard", shard]].concat(), &out(&shard[..1]));
+        assert!(reported.starts_with(&format!("share {shard} is finished: ")), "{reported}");
+        assert!(!reported.contains("maps  D more"), "{reported}");
+    }
+    let (one, two) = (out("1"), out("2"));
+    let merge = ["--merge", one.to_str().expect("a path"), two.to_str().expect("a path")];
+    let reported = EXAMPLE.error(&[&merge[..], &["--hazards=people"]].concat(), &out("other"));
+    assert!(reported.contains("those of the shares, doors=0.5"), "{reported}");
+    assert!(!out("other").exists());
+    let merged = EXAMPLE.ok(&[&merge[..], &["--hazards=doors"]].concat(), &out("merged"));
+    let table = |reported: &str| {
+        assert!(reported.contains("maps  D more"), "{reported}");
+        reported.lines().filter(|line| line.contains("doors=0.5")).collect::<String>()
+    };
+    assert_eq!(table(&merged), table(&EXAMPLE.ok(&small, &out("whole"))));
+}
+
+#[test]
 fn bad_arguments_are_reported() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");

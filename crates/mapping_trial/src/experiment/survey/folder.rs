@@ -113,18 +113,27 @@ impl SurveyFolder {
         Ok(folder)
     }
 
+    /// The survey of which a folder holds a share. It only reads.
+    ///
+    /// # Errors
+    ///
+    /// A folder that holds none.
+    pub fn survey_of(folder: &Path) -> Result<Survey, ExperimentError> {
+        Ok(Head::of_share(folder)?.survey)
+    }
+
     /// Joins the shares of a survey in a folder of its own. Shares may overlap.
     ///
     /// # Errors
     ///
-    /// Shares of different surveys, trials that differ, trials that are missing; a folder that cannot be written or
-    /// holds another survey.
+    /// Shares of different surveys, trials that differ, trials that are missing: then nothing is written. A folder
+    /// that cannot be written or holds another survey.
     pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Self, ExperimentError> {
         let Some(first) = parts.first() else {
             let reason = "no folders to merge".to_owned();
             return Err(ExperimentError::Content { path: folder.to_owned(), reason });
         };
-        SurveyFolder::merge_of(&Head::of_share(first)?.survey, folder, parts)
+        SurveyFolder::merge_of(&SurveyFolder::survey_of(first)?, folder, parts)
     }
 
     /// The same of a survey that is known. Of families of which a share has no world it may say something else: what
@@ -154,17 +163,17 @@ impl SurveyFolder {
                 records.insert(key, record);
             }
         }
-        let mut merged = SurveyFolder::open(folder, survey, Shard::WHOLE)?;
         let keys = survey.maps().flat_map(|map| survey.keys(map.number));
         let mut missing = keys.filter(|key| !records.contains_key(key));
         if let Some(first) = missing.next() {
             return Err(ExperimentError::Incomplete {
                 missing: 1 + missing.count(),
-                all: merged.trials() as usize,
+                all: whole.all() as usize,
                 first: survey.trial(first),
             });
         }
         drop(missing);
+        let mut merged = SurveyFolder::open(folder, survey, Shard::WHOLE)?;
         merged.records = records;
         merged.settle()?;
         Ok(merged)

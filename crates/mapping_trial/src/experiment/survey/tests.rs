@@ -213,6 +213,9 @@ fn merged_shares_are_the_whole_survey() {
         missing.contains("of 12 trials are missing, the first is the trial of world"),
         "{missing}"
     );
+    // What is refused leaves no folder.
+    assert!(!path("half").exists());
+    assert_eq!(SurveyFolder::survey_of(&shares[0]).expect("a share"), survey());
     let nothing = error("nothing", &[path("no")]);
     assert!(nothing.contains("the folder holds no share of a survey"), "{nothing}");
     // In another order, and one of them twice.
