@@ -5,7 +5,7 @@
 //! cargo run --release --example scenario_sweep -- sweep.jsonl 100
 //! ```
 //!
-//! runs 100 maps for an hour each. Each map is one line of the file, so that a stopped run can be resumed. It
+//! runs 100 maps for an hour each; `scenario_sweep sweep.jsonl 100 7 12` runs those of seeds 7 and 12 alone. Each map is one line of the file, so that a stopped run can be resumed. It
 //! ends with exit code 1 if someone overlaps with anything by a centimetre, or stays for over a minute where a path
 //! away is free.
 
@@ -30,9 +30,11 @@ const TIME: u64 = 3600;
 fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let (Some(path), Some(count)) = (arguments.next(), arguments.next()) else {
-        return Err("usage: scenario_sweep FILE.jsonl MAPS".into());
+        return Err("usage: scenario_sweep FILE.jsonl MAPS [SEED]...".into());
     };
     let count: u64 = count.parse()?;
+    let own: Vec<u64> = arguments.map(|seed| seed.parse()).collect::<Result<_, _>>()?;
+    let count = if own.is_empty() { count } else { own.len() as u64 };
     let mut file = OpenOptions::new().read(true).append(true).create(true).open(path)?;
     let mut lines: Vec<Value> = Vec::new();
     for line in BufReader::new(&file).lines() {
@@ -40,7 +42,7 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     }
     let mut out = std::io::stdout().lock();
     for index in lines.len() as u64..count {
-        let line = run(Seed(index))?;
+        let line = run(Seed(own.get(index as usize).copied().unwrap_or(index)))?;
         writeln!(file, "{line}")?;
         writeln!(out, "{}/{count}: {line}", index + 1)?;
         lines.push(line);
@@ -53,7 +55,8 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     writeln!(
         out,
         "{} maps, {:.0} h of people: {:.1} % of walks are waits, longest {:.0} s, over a minute in {} maps; with \
-         a free path {:.0} s, over a minute in {} maps; greatest overlap {:.6} m",
+         a free path {:.0} s, over a minute in {} maps; without a goal {:.0} s, longest {:.0} s; greatest overlap \
+         {:.6} m",
         lines.len(),
         sum("person_hours"),
         100.0 * sum("waited_s") / sum("walked_s").max(1.0),
@@ -61,6 +64,8 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         over("longest_s"),
         most("stuck_s"),
         over("stuck_s"),
+        sum("no_goal_s"),
+        most("longest_no_goal_s"),
         most("overlap_m"),
     )?;
     Ok(ExitCode::from(u8::from(most("overlap_m") > 0.01 || over("stuck_s") > 0)))
@@ -83,6 +88,8 @@ fn run(seed: Seed) -> Result<Value, Box<dyn std::error::Error>> {
         "waited_s": watch.waited,
         "longest_s": watch.longest,
         "stuck_s": watch.stuck,
+        "no_goal_s": watch.without_goal.0,
+        "longest_no_goal_s": watch.without_goal.1,
         "overlap_m": watch.overlap.0,
         "with": watch.overlap.1,
     }))

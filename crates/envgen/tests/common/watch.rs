@@ -3,10 +3,17 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use envgen::glam::DVec2;
-use envgen::scenario::{PERSON_RADIUS, PersonState, Robot, ScenarioState, Target};
+use envgen::scenario::{DoorState, PERSON_RADIUS, PersonState, Robot, ScenarioState, Target};
 
-/// Those who wait for so many ticks, and for each multiple, are looked at: could they walk away?
-const ASK: u64 = 100;
+/// Those who wait for so many ticks, and for each multiple, are looked at: could they walk away? Those who stand are
+/// asked as often whether they found no goal.
+const ASK: u64 = 20;
+
+/// Between two ticks leaves are looked at in so many places: slammed ones turn by up to 30 degrees in a tick.
+const LOOKS: u32 = 16;
+
+/// Leaves of doors whose middle is farther away than this touch nobody, in metres.
+const LEAVES: f64 = 4.0;
 
 /// A path is free if it leads this far away, in metres.
 const AWAY: f64 = 1.5;
@@ -22,6 +29,10 @@ pub(crate) struct Watch {
     /// Since when each person has been near a point while walking: the point, and the tick. The second tick is
     /// the last one when no path away was free, or a leaf was in front of the person.
     anchors: Vec<(DVec2, u64, u64)>,
+    /// How many goals each person had drawn who stood when last asked, and since when none was found.
+    standing: Vec<Option<(u64, Option<u64>)>>,
+    /// The doors and people of the tick before.
+    before: (Vec<DoorState>, Vec<DVec2>),
     /// Seconds of walking of all people.
     pub(crate) walked: f64,
     /// Of these, seconds of standing.
@@ -30,7 +41,10 @@ pub(crate) struct Watch {
     pub(crate) longest: f64,
     /// The same where a path away was free all the time, and no leaf in front of the person.
     pub(crate) stuck: f64,
-    /// The greatest overlap of a person with anything in metres, and with what.
+    /// Seconds in which people stood since they found no goal, and the longest such time of one.
+    pub(crate) without_goal: (f64, f64),
+    /// The greatest overlap of a person with anything in metres, and with what: at ticks, and with leaves also between
+    /// them.
     pub(crate) overlap: (f64, String),
 }
 
@@ -39,6 +53,8 @@ impl Watch {
     pub(crate) fn look(&mut self, state: &ScenarioState, robots: &[Robot]) {
         let people = state.people();
         self.anchors.resize(people.len(), (DVec2::INFINITY, 0, 0));
+        self.standing.resize(people.len(), None);
+        self.look_between_ticks(state);
         for (i, person) in people.iter().enumerate() {
             let p = person.position;
             let mut worst = (0.0, String::new());
@@ -78,15 +94,68 @@ impl Watch {
                 self.waited += if person.velocity.length() < 0.05 { 0.05 } else { 0.0 };
             }
             self.longest = self.longest.max((state.tick() - anchor.1) as f64 * 0.05);
+            self.look_for_goal(state, i);
+        }
+    }
+
+    /// Looks at the leaves that moved in the last tick, as they were on the path. Doors move before people do.
+    fn look_between_ticks(&mut self, state: &ScenarioState) {
+        let (doors, people) = &self.before;
+        for (door, (then, now)) in doors.iter().zip(state.doors()).enumerate() {
+            if then.openness == now.openness {
+                continue;
+            }
+            for (i, &p) in people.iter().enumerate() {
+                if state.doorway_middle(door).distance(p) > LEAVES {
+                    continue;
+                }
+                for look in 1..=LOOKS {
+                    let share = f64::from(look) / f64::from(LOOKS);
+                    let openness = then.openness + share * (now.openness - then.openness);
+                    let gaps =
+                        state.leaves_at(door, openness).map(|l| l.nearest_point(p).distance(p));
+                    let overlap = PERSON_RADIUS - gaps.fold(f64::INFINITY, f64::min);
+                    if overlap > self.overlap.0 {
+                        let tick = state.tick();
+                        let what = format!("person {i} and door {door} before tick {tick}");
+                        self.overlap = (overlap, what);
+                    }
+                }
+            }
+        }
+        let positions = state.people().iter().map(|person| person.position);
+        self.before = (state.doors().to_vec(), positions.collect());
+    }
+
+    /// Counts the time in which a person stands and finds no goal: the person draws one, and stands again.
+    fn look_for_goal(&mut self, state: &ScenarioState, i: usize) {
+        let (person, tick) = (&state.people()[i], state.tick());
+        if person.is_walking() || person.is_reacting() {
+            self.standing[i] = None;
+        } else if tick.is_multiple_of(ASK) {
+            let draws = serde_json::to_value(person).ok();
+            let draws = draws.and_then(|person| person["draws"].as_u64()).expect("a number");
+            let since = match self.standing[i] {
+                Some((before, since)) if before != draws => {
+                    let since = since.unwrap_or(tick - ASK);
+                    self.without_goal.0 += ASK as f64 * 0.05;
+                    self.without_goal.1 = self.without_goal.1.max((tick - since) as f64 * 0.05);
+                    Some(since)
+                }
+                _ => None,
+            };
+            self.standing[i] = Some((draws, since));
         }
     }
 }
 
-/// Whether a leaf is between a person and the next corner of the path.
+/// Whether a leaf of a door that is not fully open is between a person and the next corner of the path.
 fn is_behind_leaf(state: &ScenarioState, person: &PersonState) -> bool {
     let p = person.position;
     let Some(to) = person.path().last().map(|corner| corner - p) else { return false };
-    state.all_leaves().any(|leaf| {
+    let is_not_open = |door: &usize| state.doors()[*door].openness < 1.0;
+    let doors = (0..state.doors().len()).filter(is_not_open);
+    doors.flat_map(|door| state.leaves(door)).any(|leaf| {
         leaf.distance_along(p, to.normalize_or_zero()).is_some_and(|d| d <= to.length())
     })
 }

@@ -95,20 +95,24 @@ fn drive(driver: &mut Driver<'_>, state: &mut ScenarioState, seconds: u32) -> Me
         let before = state.clone();
         state.step(TICK, &[robot]).unwrap();
         for (door, (then, now)) in before.doors().iter().zip(state.doors()).enumerate() {
-            let gap = |openness: f64| {
+            let gap = |p: DVec2, openness: f64| {
                 let gaps =
-                    state.leaves_at(door, openness).map(|leaf| leaf.nearest_point(at).distance(at));
+                    state.leaves_at(door, openness).map(|leaf| leaf.nearest_point(p).distance(p));
                 gaps.fold(f64::INFINITY, f64::min)
             };
-            let first = gap(then.openness);
-            for look in 0..=LOOKS {
-                let share = f64::from(look) / f64::from(LOOKS);
-                let gap = gap(then.openness + share * (now.openness - then.openness));
-                assert!(
-                    gap >= first.min(radius) - 1e-6,
-                    "tick {}: a leaf of door {door} comes to {gap} m of a robot of {radius} m, from {first} m",
-                    state.tick()
-                );
+            // Doors move before people do.
+            let people = before.people().iter().map(|person| (person.position, PERSON_RADIUS));
+            for (p, radius) in people.chain([(at, radius)]) {
+                let first = gap(p, then.openness);
+                for look in 0..=LOOKS {
+                    let share = f64::from(look) / f64::from(LOOKS);
+                    let gap = gap(p, then.openness + share * (now.openness - then.openness));
+                    assert!(
+                        gap >= first.min(radius) - 1e-6,
+                        "tick {}: a leaf of door {door} comes to {gap} m of a body of {radius} m, from {first} m",
+                        state.tick()
+                    );
+                }
             }
             let reach = before.doorway_middle(door).distance(at) < 1.2 + radius;
             met.doorways += u32::from(reach && then.openness != now.openness);

@@ -1,5 +1,6 @@
 //! People: whom they avoid, how they react, what a laser sees of them.
 
+use envgen::geometry::Rect;
 use envgen::glam::DVec2;
 use envgen::scenario::{
     Body, DoorCommand, DoorControl, DoorKinds, Reactions, Robot, Scenario, ScenarioSpec,
@@ -66,6 +67,19 @@ fn nobody_stays_where_a_path_away_is_free() {
         let watch = run(&mut state, seconds, &[]);
         assert!(watch.stuck < 60.0, "seed {seed}: someone stayed for {} s", watch.stuck);
     }
+}
+
+#[test]
+fn who_finds_no_goal_is_counted() {
+    // No place is a metre away from the only one.
+    let mut world = room_with_a_person("regular").0;
+    world.walls.clear();
+    world.bounds = Rect::new(DVec2::ZERO, DVec2::new(1.2, 1.2));
+    let spec = ScenarioSpec { people: 1, waiting: 1.0, ..Default::default() };
+    let scenario = Scenario::new(&world, &spec, Seed(1)).unwrap();
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    let (all, longest) = run(&mut state, 60, &[]).without_goal;
+    assert!(longest > 45.0 && (all - longest).abs() < 1e-6, "{all} {longest}");
 }
 
 #[test]
