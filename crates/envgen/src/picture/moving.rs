@@ -10,7 +10,6 @@ use super::style;
 use super::view::View;
 use crate::geometry::{Shape, unit_vector};
 use crate::palette;
-use crate::scenario::smoke::SmokeRegion;
 use crate::scenario::{PERSON_RADIUS, Scenario, ScenarioState};
 use crate::world::World;
 
@@ -33,28 +32,23 @@ pub(super) fn draw(
     view: &View,
 ) -> Result<Vec<Group>, PictureError> {
     let mut state = ScenarioState::new(world, scenario)?;
-    let mut groups = vec![smoke(world, scenario, view), doors(&state, view)];
+    let mut groups = vec![smoke(&state, scenario, view), doors(&state, view)];
     groups.push(people(&mut state, view)?);
     Ok(groups)
 }
 
 /// Areas that are the less transparent the denser the smoke is.
-fn smoke(world: &World, scenario: &Scenario, view: &View) -> Group {
+fn smoke(state: &ScenarioState, scenario: &Scenario, view: &View) -> Group {
     let mut group = Group::new().set("id", "smoke");
-    for source in &scenario.smoke {
+    for (i, source) in (0..).zip(&scenario.smoke) {
         let mut area = PathData::new(1);
-        let shape = match source.region {
-            SmokeRegion::Room(room) => {
-                world.rooms.get(room as usize).map(|room| room.shape.clone())
+        for shape in state.smoke_shapes(source.region.place(i)) {
+            match shape {
+                Shape::Disc { center, radius } => {
+                    area.circle(view.px(center), radius * view.scale);
+                }
+                shape => area.polygon(view.outline(&shape)),
             }
-            region @ (SmokeRegion::Disc { .. } | SmokeRegion::Box { .. }) => region.shape(),
-        };
-        match shape {
-            Some(Shape::Disc { center, radius }) => {
-                area.circle(view.px(center), radius * view.scale);
-            }
-            Some(shape) => area.polygon(view.outline(&shape)),
-            None => {}
         }
         let opacity = source.extinction / (source.extinction + HALF);
         let opacity = (100.0 * opacity.clamp(0.15, 0.8)).round() / 100.0;

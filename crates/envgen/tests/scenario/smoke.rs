@@ -4,8 +4,8 @@ use envgen::Seed;
 use envgen::geometry::{Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::scenario::smoke::{Laser, Reading, SmokePlace};
-use envgen::scenario::{Robot, Scenario, ScenarioState, SmokeKind};
-use envgen::world::{Wall, WallKind};
+use envgen::scenario::{DoorCommand, Robot, Scenario, ScenarioState, SmokeKind};
+use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
 
 use crate::two_rooms;
 
@@ -74,7 +74,10 @@ fn a_box_fills_what_is_between_its_corners() {
             assert!(stretch.extinction == 0.5 && stretch.is_particle);
         }
     }
-    assert_eq!(state.smoke_shapes(SmokePlace::Source(0)).len(), 1);
+    let [shape] = &state.smoke_shapes(SmokePlace::Source(0))[..] else { panic!("one shape") };
+    let mut corners = shape.corners();
+    corners.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+    assert_eq!(corners, [v(1.0, 1.0), v(1.0, 3.0), v(5.0, 1.0), v(5.0, 3.0)]);
     // It does not leak through the open door.
     state.step(60.0, &[]).unwrap();
     let at = |state: &ScenarioState, x: f64| state.extinction(v(x, 2.0));
@@ -164,4 +167,57 @@ fn smoke_leaks_through_an_open_door_alone() {
     let expected = 2.0 * (1.0 - libm::exp(-0.1 * 59.5 / 16.0));
     let found = state.extinction(there);
     assert!((found - expected).abs() < 0.02, "{found} {expected}");
+}
+
+#[test]
+fn smoke_of_halls_grows_and_leaks_into_a_room_through_an_open_door_alone() {
+    // The right room is a hallway of two pieces instead.
+    let (mut world, mut scenario) = two_rooms("kind: sliding, control: commanded");
+    let v = DVec2::new;
+    world.rooms.pop();
+    for (bottom, top) in [(0.0, 1.0), (1.0, 4.0)] {
+        let shape = Shape::from_rect(Rect::new(v(4.0, bottom), v(8.0, top)));
+        world.surfaces.push(Surface::new(SurfaceKind::Hallway, shape));
+    }
+    world.doorways[0].rooms = [Some(0), None];
+    let source = |growth: f64| {
+        let text = format!("(region: halls, extinction: 2.0, growth: {growth:?}, kind: regional)");
+        ron::from_str(&text).unwrap()
+    };
+    let (room, hall) = (v(1.0, 2.0), [v(7.0, 0.5), v(7.0, 3.0)]);
+    scenario.smoke = vec![source(30.0)];
+    assert_eq!(Scenario::from_ron(&scenario.to_ron().unwrap()).unwrap(), scenario);
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    state.command_door(0, DoorCommand::Close).unwrap();
+    // Closed before any smoke is there that could leak.
+    state.step(30.0, &[]).unwrap();
+    let places: Vec<_> = state.smoke().map(|(place, _)| place).collect();
+    assert_eq!(places, [SmokePlace::Room(0), SmokePlace::Halls]);
+    let grown = -2.0 * libm::expm1(-1.0);
+    let leaked = state.extinction(room);
+    assert!(leaked < 1e-4, "{leaked}");
+    for p in hall {
+        assert!((state.extinction(p) - grown).abs() < 1e-3, "{} {grown}", state.extinction(p));
+    }
+    let before = state.extinction(room);
+    state.step(60.0, &[]).unwrap();
+    assert_eq!(state.extinction(room), before);
+    // Open, all of it from the start: dC/dt = 0.1 (2 - C) / 16.
+    scenario.smoke = vec![source(0.0)];
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    state.step(60.0, &[]).unwrap();
+    let expected = 2.0 * (1.0 - libm::exp(-0.1 * 60.0 / 16.0));
+    assert!((state.extinction(room) - expected).abs() < 0.01, "{}", state.extinction(room));
+    for p in hall {
+        assert!((state.extinction(p) - 2.0).abs() < 0.01, "{}", state.extinction(p));
+    }
+    // A ray through both pieces.
+    let mut stretches = Vec::new();
+    state.smoke_along(v(7.0, 0.0), DVec2::Y, 4.0, &mut stretches);
+    let depth: f64 = stretches.iter().map(|s| s.extinction * (s.to - s.from)).sum();
+    assert!((depth - 4.0 * state.extinction(hall[0])).abs() < 1e-9, "{depth}");
+    world.surfaces.clear();
+    let error = ScenarioState::new(&world, &scenario).unwrap_err().to_string();
+    let expected = "`smoke[0].region` must be a room, a disc or a box, got halls: the world has no";
+    assert!(error.starts_with(expected), "{error}");
 }

@@ -4,10 +4,10 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::chord::{Stretch, chords};
-use super::source::{SmokePlace, SmokeRegion, SmokeSource};
+use super::source::{SmokePlace, SmokeRegion, SmokeSource, is_hall};
 use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::SmokeKind;
-use crate::world::{SurfaceKind, World};
+use crate::world::World;
 
 /// Smoke of a lower extinction coefficient is ignored, in 1/m.
 const THINNEST: f64 = 1e-9;
@@ -32,7 +32,7 @@ pub(crate) struct SmokeRegions {
 pub(crate) struct SmokeField {
     /// The mean extinction coefficients of the compartments in 1/m.
     rooms: Vec<f64>,
-    /// Those of each source's disc or box, 0 for sources in rooms. The name is part of digests.
+    /// Those of each source's disc or box, 0 for sources in compartments. The name is part of digests.
     discs: Vec<f64>,
 }
 
@@ -41,8 +41,7 @@ impl SmokeRegions {
         let bounded = |shape: &Shape| (shape.bounds(), shape.clone());
         let mut floors: Vec<Vec<_>> =
             world.rooms.iter().map(|room| vec![bounded(&room.shape)]).collect();
-        let is_floor = |kind| matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
-        let halls = world.surfaces.iter().filter(|surface| is_floor(surface.kind));
+        let halls = world.surfaces.iter().filter(|surface| is_hall(surface));
         floors.push(halls.map(|surface| bounded(&surface.shape)).collect());
         let area = |shapes: &Vec<(Rect, Shape)>| {
             let area: f64 = shapes.iter().map(|(_, shape)| shape.area()).sum();
@@ -110,14 +109,16 @@ impl SmokeRegions {
             if growth > 0.0 { -libm::expm1(-dt / growth) } else { 1.0 }
         };
         for (source, own) in self.sources.iter().zip(&mut field.discs) {
-            match source.region {
+            let compartment = match source.region {
                 SmokeRegion::Disc { .. } | SmokeRegion::Box { .. } => {
                     *own = source.extinction * share(source.growth, time);
+                    continue;
                 }
-                SmokeRegion::Room(room) => {
-                    let density = &mut field.rooms[room as usize];
-                    *density += (source.extinction - *density).max(0.0) * share(source.growth, dt);
-                }
+                SmokeRegion::Room(room) => field.rooms.get_mut(room as usize),
+                SmokeRegion::Halls => field.rooms.last_mut(),
+            };
+            if let Some(density) = compartment {
+                *density += (source.extinction - *density).max(0.0) * share(source.growth, dt);
             }
         }
     }
@@ -163,8 +164,8 @@ impl SmokeRegions {
         let compartments = field.rooms.iter().enumerate().map(move |(i, &c)| (place(i), c));
         let sources = (0..).zip(self.sources.iter().zip(&field.discs));
         let sources = sources
-            .filter(|(_, (source, _))| !matches!(source.region, SmokeRegion::Room(_)))
-            .map(|(i, (_, &extinction))| (SmokePlace::Source(i), extinction));
+            .map(|(i, (source, &extinction))| (source.region.place(i), extinction))
+            .filter(|(place, _)| matches!(place, SmokePlace::Source(_)));
         compartments.chain(sources)
     }
 

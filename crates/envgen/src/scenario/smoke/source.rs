@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::{ScenarioSpec, SmokeKind};
-use crate::world::World;
+use crate::world::{Surface, SurfaceKind, World};
 
 /// A box with a side out of these limits is refused, in metres: those of a disc's diameter, but for thin boxes.
 const BOX_SIDES: [f64; 2] = [0.1, 2000.0];
@@ -31,6 +31,8 @@ pub struct SmokeSource {
 pub enum SmokeRegion {
     /// The room of this index, out of which it leaks through open doorways.
     Room(u32),
+    /// All hallways and open areas, which share one density. It leaks into rooms through open doorways.
+    Halls,
     /// A disc of unchanging size.
     Disc {
         /// Middle in metres.
@@ -47,20 +49,34 @@ pub enum SmokeRegion {
     },
 }
 
+/// Whether a surface belongs to the halls.
+pub(super) fn is_hall(surface: &Surface) -> bool {
+    matches!(surface.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea)
+}
+
 impl SmokeRegion {
     /// Its shape, where it does not follow from the world: that of a disc or a box.
     pub(crate) fn shape(self) -> Option<Shape> {
         match self {
-            SmokeRegion::Room(_) => None,
+            SmokeRegion::Room(_) | SmokeRegion::Halls => None,
             SmokeRegion::Disc { center, radius } => Some(Shape::Disc { center, radius }),
             SmokeRegion::Box { min, max } => Some(Shape::from_rect(Rect::new(min, max))),
+        }
+    }
+
+    /// The place that it fills, as the region of the source of this index.
+    pub(crate) fn place(self, source: u32) -> SmokePlace {
+        match self {
+            SmokeRegion::Room(room) => SmokePlace::Room(room),
+            SmokeRegion::Halls => SmokePlace::Halls,
+            SmokeRegion::Disc { .. } | SmokeRegion::Box { .. } => SmokePlace::Source(source),
         }
     }
 
     /// Whether a point is in its own shape.
     pub(super) fn contains(self, p: DVec2) -> bool {
         match self {
-            SmokeRegion::Room(_) => false,
+            SmokeRegion::Room(_) | SmokeRegion::Halls => false,
             SmokeRegion::Disc { center, radius } => p.distance_squared(center) <= radius * radius,
             SmokeRegion::Box { min, max } => Rect::new(min, max).contains(p),
         }
@@ -102,7 +118,11 @@ impl SmokeSource {
                 };
                 Err(SpecError::new("region", room, allowed))
             }
-            SmokeRegion::Room(_) => Ok(()),
+            SmokeRegion::Halls if !world.surfaces.iter().any(is_hall) => {
+                let allowed = "a room, a disc or a box: the world has no hallway or open area";
+                Err(SpecError::new("region", "halls", allowed))
+            }
+            SmokeRegion::Room(_) | SmokeRegion::Halls => Ok(()),
             SmokeRegion::Disc { center, radius } => {
                 if !center.is_finite() {
                     return Err(SpecError::new("center", center, "a finite point"));
