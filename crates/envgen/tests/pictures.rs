@@ -176,6 +176,35 @@ fn parse(svg: &str) -> usvg::Tree {
 }
 
 #[test]
+fn smoke_is_drawn_where_it_is() {
+    // 100 px per metre, and 14 px around the world.
+    let mut world = common::empty(8.0, 4.0);
+    for (from, to) in [(v(0.0, 0.0), v(3.0, 1.0)), (v(5.0, 2.0), v(8.0, 4.0))] {
+        let shape = Shape::from_rect(Rect::new(from, to));
+        world.surfaces.push(Surface::new(SurfaceKind::Hallway, shape));
+    }
+    let drawn = |region: &str| {
+        let mut scenario = Scenario::new(&world, &ScenarioSpec::default(), Seed(1)).unwrap();
+        let source = format!("(region: {region}, extinction: 0.5, growth: 0.0, kind: regional)");
+        scenario.smoke = vec![ron::from_str(&source).unwrap()];
+        let options = PictureOptions {
+            title: Some(String::new()),
+            legend: false,
+            names: false,
+            margin: 0,
+            scenario: Some(scenario),
+            ..small(828)
+        };
+        let svg = picture::svg(&world, &options).unwrap();
+        let group = svg.split("id=\"smoke\"").nth(1).unwrap();
+        group.split('"').nth(1).unwrap().to_owned()
+    };
+    let shown = drawn("box(min: (1.0, 1.0), max: (5.0, 3.0))");
+    assert_eq!(shown, "M114 314h400v-200h-400z");
+    assert_eq!(drawn("halls"), "M14 414h300v-100h-300zm500-200h300v-200h-300z");
+}
+
+#[test]
 fn svgs_are_well_formed() {
     for (name, world, options) in kept() {
         let svg = picture::svg(&world, &options).unwrap();
