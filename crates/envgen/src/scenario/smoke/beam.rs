@@ -20,7 +20,8 @@ pub enum Laser {
         /// The range without smoke; it may be beyond the greatest distance that the laser reports.
         power_range: f64,
     },
-    /// A Hokuyo of `USARSim`: it reads 0 where density times metres in smoke exceed a budget.
+    /// A Hokuyo of `USARSim`: beams fail where density times metres in smoke exceed a budget. There they read 0, as
+    /// with [`FailedBeams::Zero`]; with the others they read what these say.
     Hokuyo {
         /// The budget; [`Laser::HOKUYO_BUDGET`] in `USARSim`.
         budget: f64,
