@@ -5,6 +5,12 @@ use std::borrow::Cow;
 use proptest::prelude::*;
 
 use super::*;
+use crate::geometry::Rect;
+use crate::provenance::Provenance;
+use crate::scenario::person::{Reaction, Task};
+use crate::scenario::{Person, Scenario, ScenarioSpec, ScenarioState};
+use crate::seed::Seed;
+use crate::world::World;
 
 const DT: f64 = 0.05;
 const RADIUS: f64 = 0.25;
@@ -131,6 +137,45 @@ fn two_that_meet_walk_as_the_reference() {
     let (ours, theirs) = (run(walkers.clone(), None, ours), run(walkers, None, theirs));
     assert!(difference(&ours, &theirs) < 1e-3, "{}", difference(&ours, &theirs));
     assert!(overlap(&ours) < 1e-3 && ours[399][0].distance(v(5.0, 0.02)) < 0.01);
+}
+
+/// The positions of the people of a scenario in an empty hall after every step of 20 s.
+fn walk_in_hall(walkers: &[Walker]) -> Vec<Vec<DVec2>> {
+    let bounds = Rect::new(DVec2::new(-7.0, -4.0), DVec2::new(7.0, 4.0));
+    let world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+    let settings = ScenarioSpec { waiting: 1e6, working: 1e6, ..Default::default() };
+    let mut scenario = Scenario::new(&world, &settings, Seed(1)).unwrap();
+    let person = |walker: &Walker| {
+        let to = walker.goal - walker.disc.position;
+        let (heading, reaction) = (libm::atan2(to.y, to.x), Reaction::Regular);
+        Person { position: walker.disc.position, heading, speed: SPEED, reaction }
+    };
+    scenario.people = walkers.iter().map(person).collect();
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    for (person, walker) in state.crowd.people.iter_mut().zip(walkers) {
+        (person.path, person.on_path, person.task) = (vec![walker.goal], true, Task::Walk);
+    }
+    let positions = |_| {
+        state.step(DT, &[]).unwrap();
+        state.people().iter().map(|person| person.position).collect()
+    };
+    (0..400).map(positions).collect()
+}
+
+#[test]
+fn two_people_head_on_pass_near_the_reference() {
+    let v = DVec2::new;
+    let walkers = vec![walker(v(-5.0, 0.0), v(5.0, 0.0)), walker(v(5.0, 0.0), v(-5.0, 0.0))];
+    let people = walk_in_hall(&walkers);
+    assert!(overlap(&people) < 1e-6, "{}", overlap(&people));
+    for (walker, end) in walkers.iter().zip(&people[399]) {
+        assert!(end.distance(walker.goal) < 0.01, "{end}");
+    }
+    // The reference of two who would pass each other 4 cm to the right: exactly head-on it loses time. People decide
+    // every 0.25 s and keep to the right, and are up to 0.51 m away from it.
+    let aside = vec![walker(v(-5.0, -0.02), v(5.0, -0.02)), walker(v(5.0, 0.02), v(-5.0, 0.02))];
+    let apart = difference(&people, &run(aside, None, theirs));
+    assert!(apart < 0.52, "{apart}");
 }
 
 #[test]
