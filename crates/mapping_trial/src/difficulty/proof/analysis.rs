@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::agreement::{Agreement, Link, agreement};
 use super::design::{Part, ProofDesign};
 use super::run::ProofResult;
-use crate::experiment::stats::{mean_and_half, spearman};
+use crate::experiment::stats::{Interval, mean_and_half, spearman};
 
 /// All comparisons.
 #[derive(Clone, Debug, Serialize)]
@@ -26,6 +26,9 @@ pub struct Analysis {
     pub levels: Vec<Level>,
     /// What a single number explains, of the calibrated maps.
     pub singles: Vec<Single>,
+    /// The calibrated maps of all footprints together; absent for a single footprint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub all_sizes: Option<AllSizes>,
 }
 
 /// Maps of a part that are left out of all comparisons, since trials of a panel cannot run in them.
@@ -86,6 +89,17 @@ pub struct Single {
     pub wall_length: f64,
 }
 
+/// The order of the calibrated maps of all footprints together, under the reference panel.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AllSizes {
+    /// Number of maps.
+    pub maps: usize,
+    /// Rank correlation of what is measured with what is requested.
+    pub rho: Option<Interval>,
+    /// The same with the metres of wall alone.
+    pub wall_length: Option<f64>,
+}
+
 /// Analyses the results of all parts.
 pub fn analyse(
     design: &ProofDesign,
@@ -129,16 +143,23 @@ pub fn analyse(
         let own = calibrated.iter().filter(move |one| one.map.footprint == footprint);
         levels(footprint, own.map(|one| (one.map.requested, measured(one))).collect())
     });
-    let singles = design.footprints.iter().flat_map(|&footprint| {
-        let own: Vec<&ProofResult> =
-            calibrated.iter().filter(|one| one.map.footprint == footprint).collect();
-        let values: Vec<f64> = own.iter().map(|one| measured(one)).collect();
-        singles(footprint, &own, &values)
-    });
+    let described: Vec<Described<'_>> =
+        calibrated.par_iter().filter_map(|one| Described::new(one, measured(one))).collect();
+    let is_whole = |footprint: u32| {
+        let of_size = |one: &&ProofResult| one.map.footprint == footprint;
+        let known = described.iter().map(|one| one.result).filter(of_size).count();
+        known == calibrated.iter().filter(of_size).count()
+    };
+    let singles =
+        design.footprints.iter().filter(|&&footprint| is_whole(footprint)).flat_map(|&footprint| {
+            let own = described.iter().filter(|one| one.result.map.footprint == footprint);
+            singles(footprint, &own.collect::<Vec<_>>())
+        });
     Analysis {
         design: design.clone(),
         levels: levels.collect(),
         singles: singles.collect(),
+        all_sizes: (design.footprints.len() > 1).then(|| all_sizes(&described)),
         dropped: dropped(design, results),
         links,
         rows,
@@ -178,33 +199,62 @@ fn levels(footprint: u32, maps: Vec<(f64, f64)>) -> Vec<Level> {
     [1.0, 3.0, 5.0, 7.0, 9.0].into_iter().filter_map(level).collect()
 }
 
-/// The best setting, the best product of two settings, and the best feature.
-fn singles(footprint: u32, results: &[&ProofResult], measured: &[f64]) -> Vec<Single> {
-    let described: Vec<_> = results
-        .par_iter()
-        .filter_map(|one| {
-            let plan = one.map.spec.generate(one.map.seed).ok()?;
-            let vector = DifficultyVector::of(&plan.to_world(), &Platform::default()).ok()?;
-            Some((plan.spec().lever_terms(), vector.values()))
-        })
-        .collect();
-    let Some((terms, _)) = described.first() else { return Vec::new() };
-    if described.len() != measured.len() {
-        return Vec::new();
+/// A map with what can be known of it without trials.
+struct Described<'a> {
+    result: &'a ProofResult,
+    measured: f64,
+    terms: Vec<(&'static str, f64)>,
+    features: Vec<Option<f64>>,
+    /// Metres of wall.
+    wall_length: f64,
+}
+
+impl<'a> Described<'a> {
+    /// `None` where its world has no difficulty vector.
+    fn new(result: &'a ProofResult, measured: f64) -> Option<Self> {
+        let plan = result.map.spec.generate(result.map.seed).ok()?;
+        let vector = DifficultyVector::of(&plan.to_world(), &Platform::default()).ok()?;
+        let (terms, features) = (plan.spec().lever_terms(), vector.values());
+        let all = DifficultyVector::features();
+        let wall = all.iter().position(|feature| feature.name == "wall_length_m");
+        let wall_length = wall.and_then(|i| *features.get(i)?).unwrap_or(0.0);
+        Some(Described { result, measured, terms, features, wall_length })
     }
-    let squared = |values: Vec<f64>| spearman(&values, measured).map_or(0.0, |rho| rho * rho);
-    let features = DifficultyVector::features();
-    let feature =
-        |i: usize| squared(described.iter().map(|(_, values)| values[i].unwrap_or(0.0)).collect());
-    let wall = features.iter().position(|feature| feature.name == "wall_length_m");
-    let wall_length = wall.map_or(0.0, feature);
-    let by_setting = terms.iter().enumerate().map(|(i, (name, _))| {
-        (*name, squared(described.iter().map(|(terms, _)| terms[i].1).collect()))
+
+    fn feature(&self, i: usize) -> f64 {
+        self.features.get(i).copied().flatten().unwrap_or(0.0)
+    }
+}
+
+/// How the order of maps of all sizes agrees with their requests, and with their size alone.
+fn all_sizes(maps: &[Described<'_>]) -> AllSizes {
+    let of = |value: fn(&Described<'_>) -> f64| maps.iter().map(value).collect::<Vec<f64>>();
+    let measured = of(|one| one.measured);
+    AllSizes {
+        maps: maps.len(),
+        rho: agreement(&of(|one| one.result.map.requested), &measured).rho,
+        wall_length: spearman(&of(|one| one.wall_length), &measured),
+    }
+}
+
+/// The best setting, the best product of two settings, and the best feature.
+fn singles(footprint: u32, maps: &[&Described<'_>]) -> Vec<Single> {
+    let Some(first) = maps.first() else { return Vec::new() };
+    let measured: Vec<f64> = maps.iter().map(|one| one.measured).collect();
+    let squared = |value: &dyn Fn(&Described<'_>) -> f64| {
+        let values: Vec<f64> = maps.iter().map(|one| value(one)).collect();
+        spearman(&values, &measured).map_or(0.0, |rho| rho * rho)
+    };
+    let wall_length = squared(&|one| one.wall_length);
+    let by_setting = first.terms.iter().enumerate().map(|(i, (name, _))| {
+        (*name, squared(&|one| one.terms.get(i).map_or(0.0, |(_, value)| *value)))
     });
     // Products are named after both.
     let (by_two, by_one): (Vec<_>, Vec<_>) =
         by_setting.partition(|(name, _)| name.contains("_and_"));
-    let by_feature = features.iter().enumerate().map(|(i, one)| (one.name, feature(i)));
+    let features = DifficultyVector::features();
+    let by_feature =
+        features.iter().enumerate().map(|(i, one)| (one.name, squared(&|map| map.feature(i))));
     let best = |all: Vec<(&'static str, f64)>, of: &'static str| {
         let best = all.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let (name, explained) = (best.0.to_owned(), best.1);
@@ -224,17 +274,24 @@ mod tests {
 
     use super::super::design::ProofMap;
     use super::*;
-    use crate::experiment::stats::Interval;
 
     const MAPS: u32 = 8;
 
     /// Eight maps of 6 x 6 cells with requests from 1 to 8, what two panels measure of each, and four that link
     /// them.
     fn analysis(reference: fn(f64) -> f64, other: fn(f64) -> f64) -> Analysis {
+        analysis_of(&[6], reference, other)
+    }
+
+    /// The same of several footprints; requests of the second begin where those of the first end, and so on.
+    fn analysis_of(
+        footprints: &[u32],
+        reference: fn(f64) -> f64,
+        other: fn(f64) -> f64,
+    ) -> Analysis {
         let held_out = vec!["pose graph".to_owned()];
-        let footprints = vec![6];
         let design = ProofDesign {
-            footprints,
+            footprints: footprints.to_vec(),
             maps: MAPS,
             verified: 0,
             link: 6,
@@ -245,16 +302,18 @@ mod tests {
         let panel = "reference".to_owned();
         let scale = Scale { panel, panel_version: 1, anchors_version: 1, zero, ten };
         let result = |requested: u32| {
-            let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+            let place = (requested as usize - 1) / MAPS as usize;
+            let footprint = footprints[place];
+            let spec = IndoorSpec { width: footprint, height: footprint, ..Default::default() };
             let seed = Seed(u64::from(requested));
             let requested = f64::from(requested);
-            let map = ProofMap { footprint: 6, requested, spec, seed };
+            let map = ProofMap { footprint, requested, spec, seed };
             ProofResult { map, scores: vec![reference(requested), other(requested)] }
         };
         // Two of the maps that link are missing.
         let results = [
             (Part::Link, (1..=4).map(result).collect()),
-            (Part::Calibrated, (1..=MAPS).map(result).collect()),
+            (Part::Calibrated, (1..=MAPS * footprints.len() as u32).map(result).collect()),
         ];
         analyse(&design, &scale, &results)
     }
@@ -301,6 +360,18 @@ mod tests {
         // Of 4 and 5 the others are 5 and 4.
         assert_eq!((value(reference.error), value(reference.near)), (4.0, 0.0));
         assert_eq!(value(found.rows[1].raw.rho), 1.0);
+    }
+
+    #[test]
+    fn all_sizes_are_ordered_together() {
+        assert!(analysis(|x| x, |x| x).all_sizes.is_none());
+        let found = analysis_of(&[6, 9], |x| x, |x| x).all_sizes.expect("two sizes");
+        assert_eq!((found.maps, value(found.rho)), (16, 1.0));
+        // The larger maps are the harder ones here, so that walls alone know which of the two a map is.
+        let wall_length = found.wall_length.expect("a correlation");
+        assert!((0.7..1.0).contains(&wall_length), "{wall_length}");
+        let reversed = analysis_of(&[6, 9], |x| 20.0 - x, |x| x).all_sizes.expect("two sizes");
+        assert_eq!((value(reversed.rho), reversed.wall_length), (-1.0, Some(-wall_length)));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use envgen::calibration::Scale;
 use maud::{Markup, html};
 use plotters::prelude::*;
 
-use super::analysis::{Analysis, Dropped, Row};
+use super::analysis::{AllSizes, Analysis, Dropped, Row};
 use super::design::{Part, ProofDesign};
 use super::dial::Dial;
 use super::run::ProofResult;
@@ -59,6 +59,10 @@ pub fn page(
         (levels(analysis))
         h2 { "What a single number explains" }
         (singles(analysis))
+        @if let Some(all) = &analysis.all_sizes {
+            h2 { "All sizes together" }
+            (all_sizes(all))
+        }
     };
     Ok(html_page(TITLE, &content))
 }
@@ -208,5 +212,24 @@ fn singles(analysis: &Analysis) -> Markup {
              measured difficulty of the calibrated maps is the greatest, and that of the metres of wall."
         }
         (table("", &head(["cells", "of", "name", "explained", "metres of wall"]), &rows))
+    }
+}
+
+fn all_sizes(all: &AllSizes) -> Markup {
+    let row = vec![
+        cell(all.maps),
+        interval(all.rho, 2),
+        cell(all.wall_length.map_or_else(|| "–".to_owned(), |rho| format!("{rho:.2}"))),
+    ];
+    let mut names = head(["n"]);
+    names.push(with_interval("rank correlation"));
+    names.extend(head(["of metres of wall alone"]));
+    html! {
+        p.note {
+            "The order of the calibrated maps of all sizes under the reference panel: the rank correlation of the \
+             measured with the requested, and with the metres of wall. Where large maps are \
+             harder, their size alone orders them."
+        }
+        (table("", &names, &[row]))
     }
 }
