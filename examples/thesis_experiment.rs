@@ -151,7 +151,6 @@ fn main() -> ExitCode {
     }
 }
 
-#[expect(clippy::print_stdout, reason = "what an example is for")]
 fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let threads = usize::from(arguments.threads);
     if let Some(first) = arguments.merge.first() {
