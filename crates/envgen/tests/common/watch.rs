@@ -127,7 +127,7 @@ impl Watch {
         self.before = (state.doors().to_vec(), positions.collect());
     }
 
-    /// Counts the time in which a person stands and finds no goal: the person draws one, and stands again.
+    /// Counts the time in which a person finds no goal: the person draws one, and waits again.
     fn look_for_goal(&mut self, state: &ScenarioState, i: usize) {
         let (person, tick) = (&state.people()[i], state.tick());
         if person.is_walking() || person.is_reacting() {
