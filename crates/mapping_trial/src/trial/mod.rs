@@ -27,6 +27,7 @@ pub use parts::{ForeignPart, PartRole, Setup, TrialParts};
 pub use report::{REPORT_VERSION, RobotReport, TrialReport};
 pub use running::{Trajectory, Trial};
 pub use settings::{MAX_ROBOTS, MIN_TIME_BY_AREA, TrialSettings};
+#[cfg(feature = "experiment")]
 pub(crate) use summary::LOST;
 
 pub use crate::setting_limits::MAX_TIME_LIMIT;
