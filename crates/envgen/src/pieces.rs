@@ -7,9 +7,7 @@ use glam::DVec2;
 
 use crate::geometry::Shape;
 use crate::palette::{self, Srgb};
-use crate::world::{
-    Crown, Extent, FLOOR, PartId, PartKind, RoadStrip, SurfaceKind, Tree, WallKind, World,
-};
+use crate::world::{Crown, Extent, FLOOR, PartId, PartKind, RoadStrip, Tree, WallKind, World};
 
 /// Thickness in metres of what is a line in the world.
 pub const LINE_THICKNESS: f64 = 0.01;
@@ -174,7 +172,7 @@ pub fn pieces(world: &World) -> Vec<Piece<'_>> {
 /// The ground of a world without floors, as large as its bounds.
 pub fn ground_of(world: &World) -> Option<Piece<'_>> {
     let has_floor =
-        !world.rooms.is_empty() || world.surfaces.iter().any(|surface| is_floor(surface.kind));
+        !world.rooms.is_empty() || world.surfaces.iter().any(|surface| surface.kind.is_hall());
     (!has_floor).then(|| Piece {
         part: None,
         role: Role::Ground,
@@ -204,7 +202,7 @@ pub fn ceiling_of(world: &World, part: PartId, wall_top: f64) -> Option<Piece<'_
             (&room.shape, room.extent().top())
         }
         PartKind::Surface => {
-            let surface = world.surfaces.get(index).filter(|surface| is_floor(surface.kind))?;
+            let surface = world.surfaces.get(index).filter(|surface| surface.kind.is_hall())?;
             (&surface.shape, wall_top)
         }
         _ => return None,
@@ -222,11 +220,6 @@ pub fn ceiling_of(world: &World, part: PartId, wall_top: f64) -> Option<Piece<'_
 
 /// Thickness of ceilings in metres.
 const CEILING_THICKNESS: f64 = 0.1;
-
-/// Whether a surface is a plain floor.
-fn is_floor(kind: SurfaceKind) -> bool {
-    matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea)
-}
 
 /// The bodies of one part: two of a tree, none of an open doorway without a lintel, none of a part that
 /// does not exist. `lintel` is the element of [`World::lintels`] for a doorway.
@@ -336,6 +329,7 @@ mod tests {
 
     use super::*;
     use crate::indoor::IndoorSpec;
+    use crate::world::SurfaceKind;
     use crate::{Blueprint, Seed, Spec, WorldKind};
 
     #[test]

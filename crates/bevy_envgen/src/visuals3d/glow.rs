@@ -11,7 +11,6 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use envgen::World as EnvgenWorld;
 use envgen::geometry::{Rect as WorldRect, Shape};
 use envgen::glam::DVec2;
-use envgen::world::SurfaceKind;
 
 use super::settings::Visuals3dSettings;
 
@@ -95,11 +94,7 @@ pub(super) fn lamps(shape: &Shape, settings: &Visuals3dSettings) -> Vec<DVec2> {
 
 /// Whether a world has rooms or hallways, which have lamps in place of the sky.
 pub(super) fn is_building(truth: &EnvgenWorld) -> bool {
-    !truth.rooms.is_empty() || truth.surfaces.iter().any(|surface| is_hallway(surface.kind))
-}
-
-fn is_hallway(kind: SurfaceKind) -> bool {
-    matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea)
+    !truth.rooms.is_empty() || truth.surfaces.iter().any(|surface| surface.kind.is_hall())
 }
 
 /// The light under the sky over an area.
@@ -192,7 +187,7 @@ fn regions(
 ) -> (Vec<Region>, Vec<u16>) {
     let step = voxel / FINE as f64;
     let mut map = vec![0_u16; FINE * FINE * width * depth];
-    let hallways = truth.surfaces.iter().filter(|surface| is_hallway(surface.kind));
+    let hallways = truth.surfaces.iter().filter(|surface| surface.kind.is_hall());
     let shapes = hallways
         .map(|surface| (&surface.shape, true))
         .chain(truth.rooms.iter().map(|room| (&room.shape, room.lit)))

@@ -13,7 +13,7 @@ use super::piece_index::Pieces;
 use super::squares::{Square, Squares};
 use crate::geometry::{Rect, Shape};
 use crate::grid::{GridFrame, index_area};
-use crate::world::{Surface, SurfaceKind, World};
+use crate::world::World;
 
 /// A place on a floor counts where a disc has this much clearance to spare on every side, in metres.
 /// Narrower places, such as the gap between two chairs, are not part of a room.
@@ -201,8 +201,8 @@ fn floors(world: &World) -> impl Iterator<Item = &Shape> {
 }
 
 fn halls(world: &World) -> impl Iterator<Item = &Shape> {
-    let is_hall = |s: &&Surface| matches!(s.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
-    world.surfaces.iter().filter(is_hall).map(|surface| &surface.shape)
+    let halls = world.surfaces.iter().filter(|surface| surface.kind.is_hall());
+    halls.map(|surface| &surface.shape)
 }
 
 /// Where a disc can be.

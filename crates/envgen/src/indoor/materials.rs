@@ -41,9 +41,8 @@ pub(super) fn apply(spec: &IndoorSpec, seed: Seed, world: &mut World) {
 /// The floors of rooms, hallways and open areas. They overlap only where the design of a room has floors of
 /// its own.
 pub(super) fn floors(world: &World) -> Vec<Rect> {
-    let plain =
-        |surface: &&Surface| matches!(surface.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
-    let halls = world.surfaces.iter().filter(plain).map(|surface| surface.shape.bounds());
+    let halls = world.surfaces.iter().filter(|surface| surface.kind.is_hall());
+    let halls = halls.map(|surface| surface.shape.bounds());
     world.rooms.iter().map(|room| room.shape.bounds()).chain(halls).collect()
 }
 

@@ -12,7 +12,7 @@ use crate::flood::flood;
 use crate::geometry::{Shape, distance_to_segment};
 use crate::grid::GridFrame;
 use crate::surface_index::SurfaceIndex;
-use crate::world::{SurfaceKind, Wall, WallKind, World};
+use crate::world::{Wall, WallKind, World};
 
 /// Side of a cell in metres, where the world is not too large for it and the disc not too small.
 const CELL: f64 = 0.1;
@@ -67,10 +67,9 @@ impl Scenario {
         let Some(start) = world.start else { return Ok(Vec::new()) };
         let space = FreeCells::new(&self.with_open_doors(world)?, radius)?;
         let rooms = rooms_of_cells(world, space.frame);
-        let is_hallway = |kind| matches!(kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
         let (indices, floors): (Vec<u32>, Vec<&Shape>) = (0..)
             .zip(&world.surfaces)
-            .filter(|(_, surface)| is_hallway(surface.kind))
+            .filter(|(_, surface)| surface.kind.is_hall())
             .map(|(index, surface)| (index, &surface.shape))
             .unzip();
         let hallways = places_of_cells(floors.iter().copied(), space.frame);
@@ -120,7 +119,7 @@ struct Reached {
     goal: bool,
 }
 
-/// Which places are not reached any more, without the first, which is none.
+/// Which places were reached before and are not now. The first entry, of cells in no place, is left out.
 fn lost(before: &[bool], now: &[bool]) -> impl Iterator<Item = bool> {
     before.iter().zip(now).skip(1).map(|(before, now)| *before && !now)
 }

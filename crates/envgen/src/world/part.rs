@@ -371,3 +371,10 @@ pub enum SurfaceKind {
     /// A class of a landscape, counted from 1.
     Class(u16),
 }
+
+impl SurfaceKind {
+    /// Whether it is the plain floor of a hallway or of an open area between rooms.
+    pub fn is_hall(self) -> bool {
+        matches!(self, SurfaceKind::Hallway | SurfaceKind::OpenArea)
+    }
+}

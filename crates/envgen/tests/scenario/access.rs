@@ -98,7 +98,7 @@ fn places_reached(world: &World, radius: f64) -> [Vec<bool>; 2] {
             *is_reached |= room.shape.contains(p);
         }
         for (floor, is_reached) in world.surfaces.iter().zip(floors) {
-            let is_hallway = matches!(floor.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea);
+            let is_hallway = floor.kind.is_hall();
             *is_reached |= is_hallway && floor.shape.contains(p);
         }
         for next in [(col + 1, row), (col - 1, row), (col, row + 1), (col, row - 1)] {

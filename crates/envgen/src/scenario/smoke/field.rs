@@ -4,7 +4,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::chord::{Stretch, chords};
-use super::source::{SmokePlace, SmokeRegion, SmokeSource, is_hall};
+use super::source::{SmokePlace, SmokeRegion, SmokeSource};
 use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::SmokeKind;
 use crate::world::World;
@@ -41,7 +41,7 @@ impl SmokeRegions {
         let bounded = |shape: &Shape| (shape.bounds(), shape.clone());
         let mut floors: Vec<Vec<_>> =
             world.rooms.iter().map(|room| vec![bounded(&room.shape)]).collect();
-        let halls = world.surfaces.iter().filter(|surface| is_hall(surface));
+        let halls = world.surfaces.iter().filter(|surface| surface.kind.is_hall());
         floors.push(halls.map(|surface| bounded(&surface.shape)).collect());
         let area = |shapes: &Vec<(Rect, Shape)>| {
             let area: f64 = shapes.iter().map(|(_, shape)| shape.area()).sum();

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::{ScenarioSpec, SmokeKind};
-use crate::world::{Surface, SurfaceKind, World};
+use crate::world::World;
 
 /// A box with a side out of these limits is refused, in metres: those of a disc's diameter, but for thin boxes.
 const BOX_SIDES: [f64; 2] = [0.1, 2000.0];
@@ -47,11 +47,6 @@ pub enum SmokeRegion {
         /// Corner of greatest x and y, in metres.
         max: DVec2,
     },
-}
-
-/// Whether a surface belongs to the halls.
-pub(super) fn is_hall(surface: &Surface) -> bool {
-    matches!(surface.kind, SurfaceKind::Hallway | SurfaceKind::OpenArea)
 }
 
 impl SmokeRegion {
@@ -118,7 +113,7 @@ impl SmokeSource {
                 };
                 Err(SpecError::new("region", room, allowed))
             }
-            SmokeRegion::Halls if !world.surfaces.iter().any(is_hall) => {
+            SmokeRegion::Halls if !world.surfaces.iter().any(|surface| surface.kind.is_hall()) => {
                 let allowed = "a room, a disc or a box: the world has no hallway or open area";
                 Err(SpecError::new("region", "halls", allowed))
             }
