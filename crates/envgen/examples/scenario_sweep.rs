@@ -2,11 +2,11 @@
 //! something:
 //!
 //! ```sh
-//! cargo run --release --example scenario_sweep -- sweep.jsonl 100
+//! cargo run --release --example scenario_sweep -- sweep.jsonl --maps 100
 //! ```
 //!
-//! runs 100 maps for an hour each; `scenario_sweep sweep.jsonl 100 7 12` runs those of seeds 7 and 12 alone. Each map is one line of the file, so that a stopped run can be resumed. It
-//! ends with exit code 1 if someone overlaps with anything by a centimetre, or stays for over a minute where a path
+//! runs 100 maps for an hour each. Each map is one line of the file, so that a stopped run can be resumed. It ends
+//! with exit code 1 if someone overlaps with anything by a centimetre, or stays for over a minute where a path
 //! away is free.
 
 #[path = "../tests/common/busy_map.rs"]
@@ -16,35 +16,49 @@ mod watch;
 
 use std::fs::OpenOptions;
 use std::io::{BufRead, BufReader, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use busy_map::busy_map;
+use busy_map::{MOST_PEOPLE, busy_map};
+use clap::Parser;
 use envgen::Seed;
 use envgen::scenario::{ScenarioState, TICKS_PER_SECOND};
 use serde_json::{Value, json};
 use watch::Watch;
 
-/// Seconds that each map runs.
-const TIME: u64 = 3600;
+#[derive(Parser)]
+#[command(
+    about = "Runs people and doors in random maps, and states whether anyone is in something"
+)]
+struct Arguments {
+    /// The file of results, a line per map; a file of the same options is continued.
+    file: PathBuf,
+    /// Maps to run.
+    #[arg(long, default_value_t = 100)]
+    maps: u64,
+    /// The seed of the first map; the others have those that follow.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Simulated hours per map.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    hours: u64,
+    /// The least area per person in square metres.
+    #[arg(long, default_value_t = MOST_PEOPLE)]
+    area: f64,
+}
 
 fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
-    let mut arguments = std::env::args().skip(1);
-    let (Some(path), Some(count)) = (arguments.next(), arguments.next()) else {
-        return Err("usage: scenario_sweep FILE.jsonl MAPS [SEED]...".into());
-    };
-    let count: u64 = count.parse()?;
-    let own: Vec<u64> = arguments.map(|seed| seed.parse()).collect::<Result<_, _>>()?;
-    let count = if own.is_empty() { count } else { own.len() as u64 };
-    let mut file = OpenOptions::new().read(true).append(true).create(true).open(path)?;
+    let Arguments { file, maps, seed, hours, area } = Arguments::parse();
+    let mut file = OpenOptions::new().read(true).append(true).create(true).open(file)?;
     let mut lines: Vec<Value> = Vec::new();
     for line in BufReader::new(&file).lines() {
         lines.push(serde_json::from_str(&line?)?);
     }
     let mut out = std::io::stdout().lock();
-    for index in lines.len() as u64..count {
-        let line = run(Seed(own.get(index as usize).copied().unwrap_or(index)))?;
+    for index in lines.len() as u64..maps {
+        let line = run(Seed(seed.wrapping_add(index)), hours, area)?;
         writeln!(file, "{line}")?;
-        writeln!(out, "{}/{count}: {line}", index + 1)?;
+        writeln!(out, "{}/{maps}: {line}", index + 1)?;
         lines.push(line);
     }
     let values =
@@ -54,10 +68,11 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let over = |name: &str| values(name).iter().filter(|seconds| **seconds > 60.0).count();
     writeln!(
         out,
-        "{} maps, {:.0} h of people: {:.1} % of walks are waits, longest {:.0} s, over a minute in {} maps; with \
+        "{} maps, {:.0} h, {:.0} h of people: {:.1} % of walks are waits, longest {:.0} s, over a minute in {} maps; with \
          a free path {:.0} s, over a minute in {} maps; without a goal {:.0} s, longest {:.0} s; greatest overlap \
          {:.6} m",
         lines.len(),
+        sum("hours"),
         sum("person_hours"),
         100.0 * sum("waited_s") / sum("walked_s").max(1.0),
         most("longest_s"),
@@ -72,18 +87,19 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
 }
 
 /// Runs a map.
-fn run(seed: Seed) -> Result<Value, Box<dyn std::error::Error>> {
-    let (world, scenario) = busy_map(seed)?;
+fn run(seed: Seed, hours: u64, area: f64) -> Result<Value, Box<dyn std::error::Error>> {
+    let (world, scenario) = busy_map(seed, area)?;
     let people = scenario.people.len() as f64;
     let mut state = ScenarioState::new(&world, &scenario)?;
     let mut watch = Watch::default();
-    for _ in 0..TIME * TICKS_PER_SECOND {
+    for _ in 0..hours * 3600 * TICKS_PER_SECOND {
         state.step(1.0 / TICKS_PER_SECOND as f64, &[])?;
         watch.look(&state, &[]);
     }
     Ok(json!({
         "seed": seed.0,
-        "person_hours": people * TIME as f64 / 3600.0,
+        "hours": hours,
+        "person_hours": people * hours as f64,
         "walked_s": watch.walked,
         "waited_s": watch.waited,
         "longest_s": watch.longest,

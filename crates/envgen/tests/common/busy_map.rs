@@ -4,8 +4,17 @@ use envgen::indoor::IndoorSpec;
 use envgen::scenario::{DoorControl, DoorKinds, Scenario, ScenarioSpec};
 use envgen::{Blueprint, Seed, Spec, World};
 
-/// A map of a random size with random people and doors.
-pub(crate) fn busy_map(seed: Seed) -> Result<(World, Scenario), Box<dyn std::error::Error>> {
+/// One person on 18 square metres: more hardly fit.
+pub(crate) const MOST_PEOPLE: f64 = 18.0;
+
+/// A cell of an indoor map in square metres.
+const CELL: f64 = 9.0;
+
+/// A map of a random size with random doors, and up to one person on so many square metres.
+pub(crate) fn busy_map(
+    seed: Seed,
+    area: f64,
+) -> Result<(World, Scenario), Box<dyn std::error::Error>> {
     let mut stream = seed.stream("scenario_sweep", 0);
     let side = 5 + stream.below(12) as u32;
     let world =
@@ -16,8 +25,7 @@ pub(crate) fn busy_map(seed: Seed) -> Result<(World, Scenario), Box<dyn std::err
         door_kind: kinds[stream.below(4) as usize],
         door_control: if stream.chance(0.3) { DoorControl::Triggered } else { DoorControl::Timed },
         slam: stream.between(0.0, 1.0),
-        // Up to one person on 18 square metres: cells have 9.
-        people: 1 + stream.below(u64::from(side * side)) as u32 / 2,
+        people: 1 + (stream.below(u64::from(side * side)) as f64 * CELL / area) as u32,
         working: 10.0,
         waiting: 5.0,
         ..Default::default()

@@ -1,6 +1,6 @@
 //! Checks of what moves, at every step.
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::BinaryHeap;
 
 use envgen::glam::DVec2;
 use envgen::scenario::{DoorState, PERSON_RADIUS, PersonState, Robot, ScenarioState, Target};
@@ -22,6 +22,9 @@ const AWAY: f64 = 1.5;
 /// others on them, in metres: who waits touches others, and rounding is no overlap.
 const CELL: f64 = 0.05;
 const TOUCH: f64 = 0.002;
+
+/// Half the side in cells of the window in which free paths are searched, with the person in the middle.
+const WINDOW: usize = (AWAY / CELL) as usize + 2;
 
 /// What was seen of a scenario.
 #[derive(Default)]
@@ -55,20 +58,33 @@ impl Watch {
         self.anchors.resize(people.len(), (DVec2::INFINITY, 0, 0));
         self.standing.resize(people.len(), None);
         self.look_between_ticks(state);
+        let moved = self.moved_doors(state);
+        let positions = people.iter().map(|person| person.position).collect();
+        let (_, before) = std::mem::replace(&mut self.before, (state.doors().to_vec(), positions));
         for (i, person) in people.iter().enumerate() {
             let p = person.position;
-            let mut worst = (0.0, String::new());
+            // Where neither the person nor a leaf moved, solids and leaves are as far as they were.
+            let rests =
+                before.get(i) == Some(&p) && moved.iter().all(|door| door.distance(p) > LEAVES);
+            let mut worst = (self.overlap.0, String::new());
             let mut meet = |distance: f64, least: f64, what: &dyn Fn() -> String| {
                 if least - distance > worst.0 {
                     worst = (least - distance, what());
                 }
             };
-            state.contacts(p, PERSON_RADIUS, |contact| match contact.target {
-                Target::Person(_) => {}
-                target => meet(p.distance(contact.point), PERSON_RADIUS, &|| format!("{target:?}")),
-            });
+            if !rests {
+                state.contacts(p, PERSON_RADIUS, |contact| match contact.target {
+                    Target::Person(_) => {}
+                    target => {
+                        meet(p.distance(contact.point), PERSON_RADIUS, &|| format!("{target:?}"));
+                    }
+                });
+            }
+            let least = 2.0 * PERSON_RADIUS;
             for (j, other) in people.iter().enumerate().skip(i + 1) {
-                meet(p.distance(other.position), 2.0 * PERSON_RADIUS, &|| format!("person {j}"));
+                if p.distance_squared(other.position) < least * least {
+                    meet(p.distance(other.position), least, &|| format!("person {j}"));
+                }
             }
             for robot in robots {
                 let least = PERSON_RADIUS + robot.radius;
@@ -123,8 +139,13 @@ impl Watch {
                 }
             }
         }
-        let positions = state.people().iter().map(|person| person.position);
-        self.before = (state.doors().to_vec(), positions.collect());
+    }
+
+    /// The middles of the doors whose leaves moved in the last tick.
+    fn moved_doors(&self, state: &ScenarioState) -> Vec<DVec2> {
+        let doors = self.before.0.iter().zip(state.doors()).enumerate();
+        let moved = doors.filter(|(_, (then, now))| then.openness != now.openness);
+        moved.map(|(door, _)| state.doorway_middle(door)).collect()
     }
 
     /// Counts the time in which a person finds no goal: the person draws one, and waits again.
@@ -163,7 +184,6 @@ fn is_behind_leaf(state: &ScenarioState, person: &PersonState) -> bool {
 /// Whether a person could walk away between all others and the leaves of doors as they are now.
 fn has_free_path(state: &ScenarioState, person: usize) -> bool {
     let start = state.people()[person].position;
-    let at = |(right, up): (i32, i32)| start + CELL * DVec2::new(right.into(), up.into());
     let fits = |p: DVec2| {
         let mut fits = true;
         state.contacts(p, PERSON_RADIUS - TOUCH, |contact| {
@@ -171,16 +191,24 @@ fn has_free_path(state: &ScenarioState, person: usize) -> bool {
         });
         fits
     };
-    let mut seen = BTreeSet::from([(0, 0)]);
-    let mut queue = VecDeque::from([(0, 0)]);
-    while let Some((right, up)) = queue.pop_front() {
-        for next in [(right + 1, up), (right - 1, up), (right, up + 1), (right, up - 1)] {
-            if seen.insert(next) && fits(at(next)) {
-                if at(next).distance(start) >= AWAY {
-                    return true;
-                }
-                queue.push_back(next);
+    let mut seen = vec![false; (2 * WINDOW + 1) * (2 * WINDOW + 1)];
+    let index = |right: isize, up: isize| {
+        let at = |steps: isize| (WINDOW as isize + steps) as usize;
+        at(up) * (2 * WINDOW + 1) + at(right)
+    };
+    seen[index(0, 0)] = true;
+    // The farthest cells first: most free paths are short.
+    let mut queue = BinaryHeap::from([(0, 0, 0)]);
+    while let Some((_, right, up)) = queue.pop() {
+        for (right, up) in [(right + 1, up), (right - 1, up), (right, up + 1), (right, up - 1)] {
+            let to = CELL * DVec2::new(right as f64, up as f64);
+            if std::mem::replace(&mut seen[index(right, up)], true) || !fits(start + to) {
+                continue;
             }
+            if to.length() >= AWAY {
+                return true;
+            }
+            queue.push((right * right + up * up, right, up));
         }
     }
     false

@@ -9,7 +9,7 @@ use envgen::scenario::{
 use envgen::surface_index::SurfaceIndex;
 use envgen::{Seed, WorldKind};
 
-use crate::busy_map::busy_map;
+use crate::busy_map::{MOST_PEOPLE, busy_map};
 use crate::watch::Watch;
 use crate::{indoor, room_with_a_person, two_rooms};
 
@@ -62,7 +62,7 @@ fn nobody_stays_where_a_path_away_is_free() {
     // Maps of `scenario_sweep` with an obstacle beside the swing of a door, with narrow passages, without a free place
     // beside a jam, without room for more than a step back, and with a jam that others would walk into.
     for (seed, seconds) in [(106, 960), (36, 1500), (26, 720), (90, 240), (20, 2160)] {
-        let (world, scenario) = busy_map(Seed(seed)).unwrap();
+        let (world, scenario) = busy_map(Seed(seed), MOST_PEOPLE).unwrap();
         let mut state = ScenarioState::new(&world, &scenario).unwrap();
         let watch = run(&mut state, seconds, &[]);
         assert!(watch.stuck < 60.0, "seed {seed}: someone stayed for {} s", watch.stuck);
