@@ -362,7 +362,6 @@ impl Crowd {
         if left < 1e-9 || (!person.on_path && left < 0.5 * PERSON_RADIUS && person.path.len() == 1)
         {
             person.path.pop();
-            person.moved = (person.position, around.tick);
             if person.path.is_empty() {
                 person.velocity = DVec2::ZERO;
                 person.on_path = false;
