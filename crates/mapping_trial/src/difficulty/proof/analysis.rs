@@ -26,6 +26,8 @@ pub struct Analysis {
     pub levels: Vec<Level>,
     /// What a single number explains, of the calibrated maps.
     pub singles: Vec<Single>,
+    /// The calibrated maps by kind.
+    pub kinds: Vec<MapKind>,
     /// The calibrated maps of all footprints together; absent for a single footprint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub all_sizes: Option<AllSizes>,
@@ -57,6 +59,13 @@ pub struct Row {
     pub raw: Agreement,
     /// With values linked to the reference panel.
     pub linked: Agreement,
+    /// Share of the variance of the measured values over maps that is not noise of trials; absent where each condition
+    /// has one trial.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reliability: Option<f64>,
+    /// The rank correlation divided by the root of the reliability, from -1 to 1: that of values without noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rho_without_noise: Option<f64>,
 }
 
 /// The calibrated maps whose requests are near a level, one unit to either side.
@@ -87,6 +96,24 @@ pub struct Single {
     pub explained: f64,
     /// The same of the metres of wall.
     pub wall_length: f64,
+}
+
+/// The calibrated maps of a kind, under the reference panel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MapKind {
+    /// Side of the maps in cells.
+    pub footprint: u32,
+    /// The kind, such as `with mazes`.
+    pub kind: &'static str,
+    /// Number of maps.
+    pub maps: usize,
+    /// Rank correlation of what is measured with what is requested; absent for fewer than three maps.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rho: Option<f64>,
+    /// Mean absolute difference of what is measured and requested.
+    pub error: f64,
+    /// Mean difference: positive where maps are harder than requested.
+    pub offset: f64,
 }
 
 /// The order of the calibrated maps of all footprints together, under the reference panel.
@@ -127,12 +154,18 @@ pub fn analyse(
                     let linked = |score: f64| link.map_or(score, |link| link.apply(score));
                     own.iter().map(|one| dial(linked(one.scores[i]))).collect::<Vec<f64>>()
                 };
+                let raw = agreement(&requested, &values(None));
+                let reliability = reliability(&own, i);
+                let rho = raw.rho.zip(reliability.filter(|share| *share > 0.0));
                 rows.push(Row {
                     part,
                     footprint,
                     panel: panel.clone(),
-                    raw: agreement(&requested, &values(None)),
+                    raw,
                     linked: agreement(&requested, &values(links[i])),
+                    reliability,
+                    rho_without_noise: rho
+                        .map(|(rho, share)| (rho.value / share.sqrt()).clamp(-1.0, 1.0)),
                 });
             }
         }
@@ -155,15 +188,30 @@ pub fn analyse(
             let own = described.iter().filter(|one| one.result.map.footprint == footprint);
             singles(footprint, &own.collect::<Vec<_>>())
         });
+    let kinds = design.footprints.iter().flat_map(|&footprint| {
+        let own = described.iter().filter(|one| one.result.map.footprint == footprint);
+        kinds(footprint, &own.collect::<Vec<_>>())
+    });
     Analysis {
         design: design.clone(),
         levels: levels.collect(),
         singles: singles.collect(),
+        kinds: kinds.collect(),
         all_sizes: (design.footprints.len() > 1).then(|| all_sizes(&described)),
         dropped: dropped(design, results),
         links,
         rows,
     }
+}
+
+/// Share of the variance of what a panel measures over maps that is not noise of trials.
+fn reliability(maps: &[&ProofResult], panel: usize) -> Option<f64> {
+    let noise: Vec<f64> = maps.iter().map(|one| one.noise[panel]).collect::<Option<_>>()?;
+    let n = maps.len() as f64;
+    let mean = maps.iter().map(|one| one.scores[panel]).sum::<f64>() / n;
+    let squares = maps.iter().map(|one| (one.scores[panel] - mean) * (one.scores[panel] - mean));
+    let variance = squares.sum::<f64>() / (n - 1.0);
+    (variance > 0.0).then(|| (1.0 - noise.iter().sum::<f64>() / n / variance).clamp(0.0, 1.0))
 }
 
 /// The maps of the parts that were run which have no result.
@@ -224,6 +272,37 @@ impl<'a> Described<'a> {
     fn feature(&self, i: usize) -> f64 {
         self.features.get(i).copied().flatten().unwrap_or(0.0)
     }
+}
+
+/// How the maps of each kind agree with their requests: by how hallways are laid out, and by what is in rooms.
+fn kinds(footprint: u32, maps: &[&Described<'_>]) -> Vec<MapKind> {
+    let is = |one: &Described<'_>, term: &str| {
+        one.terms.iter().any(|(name, value)| *name == term && *value > 0.0)
+    };
+    let of = |kind: &'static str, term: &str, expected: bool| {
+        let own: Vec<_> = maps.iter().filter(|one| is(one, term) == expected).collect();
+        let requested: Vec<f64> = own.iter().map(|one| one.result.map.requested).collect();
+        let measured: Vec<f64> = own.iter().map(|one| one.measured).collect();
+        let n = own.len() as f64;
+        let differences = || requested.iter().zip(&measured).map(|(asked, found)| found - asked);
+        (!own.is_empty()).then(|| MapKind {
+            footprint,
+            kind,
+            maps: own.len(),
+            rho: (own.len() > 2).then(|| spearman(&requested, &measured)).flatten(),
+            error: differences().map(f64::abs).sum::<f64>() / n,
+            offset: differences().sum::<f64>() / n,
+        })
+    };
+    [
+        of("hallways on a grid", "l_system", false),
+        of("hallways that branch", "l_system", true),
+        of("without mazes", "mazes", false),
+        of("with mazes", "mazes", true),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// How the order of maps of all sizes agrees with their requests, and with their size alone.
@@ -308,7 +387,9 @@ mod tests {
             let seed = Seed(u64::from(requested));
             let requested = f64::from(requested);
             let map = ProofMap { footprint, requested, spec, seed };
-            ProofResult { map, scores: vec![reference(requested), other(requested)] }
+            let scores = vec![reference(requested), other(requested)];
+            // The variance of requests from 1 to 8 is 6.
+            ProofResult { map, scores, noise: vec![Some(1.5), None] }
         };
         // Two of the maps that link are missing.
         let results = [
@@ -335,6 +416,9 @@ mod tests {
                 assert!(value(agreement.error) < 1e-9 && value(agreement.near) == 1.0);
             }
         }
+        assert_eq!(found.rows[0].reliability, Some(0.75));
+        assert_eq!(found.rows[0].rho_without_noise, Some(1.0));
+        assert_eq!(found.rows[1].reliability, None);
         // Requests within one unit of the level are its own: 3 alone.
         assert!(found.levels.is_empty(), "{:?}", found.levels);
     }
@@ -359,7 +443,19 @@ mod tests {
         assert!((value(reference.slope) + 1.0).abs() < 1e-12);
         // Of 4 and 5 the others are 5 and 4.
         assert_eq!((value(reference.error), value(reference.near)), (4.0, 0.0));
+        assert_eq!(found.rows[0].rho_without_noise, Some(-1.0));
         assert_eq!(value(found.rows[1].raw.rho), 1.0);
+    }
+
+    #[test]
+    fn every_map_is_of_a_kind_by_its_hallways_and_its_rooms() {
+        let found = analysis(|x| x + 0.5, |x| x).kinds;
+        let names: Vec<&str> = found.iter().map(|kind| kind.kind).collect();
+        assert_eq!(names, ["hallways on a grid", "without mazes"]);
+        for kind in found {
+            assert_eq!((kind.footprint, kind.maps, kind.rho), (6, 8, Some(1.0)));
+            assert_eq!((kind.error, kind.offset), (0.5, 0.5));
+        }
     }
 
     #[test]

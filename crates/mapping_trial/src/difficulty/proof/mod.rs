@@ -12,7 +12,7 @@ mod report;
 mod run;
 
 pub use agreement::{Agreement, Link, agreement};
-pub use analysis::{AllSizes, Analysis, Dropped, Level, Row, Single, analyse};
+pub use analysis::{AllSizes, Analysis, Dropped, Level, MapKind, Row, Single, analyse};
 pub use design::{Part, ProofDesign, ProofMap};
 pub use dial::Dial;
 pub use report::{figure, page};

@@ -4,7 +4,7 @@ use envgen::calibration::Scale;
 use maud::{Markup, html};
 use plotters::prelude::*;
 
-use super::analysis::{AllSizes, Analysis, Dropped, Row};
+use super::analysis::{AllSizes, Analysis, Dropped, MapKind, Row};
 use super::design::{Part, ProofDesign};
 use super::dial::Dial;
 use super::run::ProofResult;
@@ -57,6 +57,8 @@ pub fn page(
         (dropped(analysis))
         h2 { "Levels" }
         (levels(analysis))
+        h2 { "Kinds of maps" }
+        (kinds(&analysis.kinds))
         h2 { "What a single number explains" }
         (singles(analysis))
         @if let Some(all) = &analysis.all_sizes {
@@ -131,6 +133,7 @@ fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
         ]
         .map(with_interval),
     );
+    names.extend(head(["reliability", "rank correlation without noise"]));
     let row = |row: &Row| {
         vec![
             cell(name(row.part)),
@@ -144,6 +147,8 @@ fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
             interval(row.raw.error, 2),
             interval(row.linked.error, 2),
             interval(row.raw.near, 2),
+            number(row.reliability),
+            number(row.rho_without_noise),
         ]
     };
     let rows: Vec<Vec<Markup>> = rows.iter().map(row).collect();
@@ -151,11 +156,18 @@ fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
         p.note {
             "At least " (design.noise_seeds) " trials per map and condition, and " (design.panel_trials) " per map and \
              panel. Slopes and intercepts are of linked values: those of another panel are put on the reference's \
-             scale by maps of their own, by mean and deviation. The last column is the share of the maps whose \
-             measured difficulty, not linked, is at most " (NEAR_REQUEST) " from the request."
+             scale by maps of their own, by mean and deviation. " (near) " is the share of the maps whose measured \
+             difficulty, not linked, is at most that far from the request. The reliability is the share of the \
+             variance of what is measured over maps that is not noise of trials; the rank correlation divided by \
+             its root is that of values without noise, at most 1."
         }
         (table("", &names, &rows))
     }
+}
+
+/// A number of two decimals, or a dash.
+fn number(value: Option<f64>) -> Markup {
+    cell(value.map_or_else(|| "–".to_owned(), |value| format!("{value:.2}")))
 }
 
 fn name(part: Part) -> &'static str {
@@ -215,12 +227,29 @@ fn singles(analysis: &Analysis) -> Markup {
     }
 }
 
+fn kinds(kinds: &[MapKind]) -> Markup {
+    let row = |one: &MapKind| {
+        vec![
+            cell(one.footprint),
+            cell(one.kind),
+            cell(one.maps),
+            number(one.rho),
+            cell(format!("{:.2}", one.error)),
+            cell(format!("{:+.2}", one.offset)),
+        ]
+    };
+    let rows: Vec<Vec<Markup>> = kinds.iter().map(row).collect();
+    html! {
+        p.note {
+            "The calibrated maps under the reference panel, by how their hallways are laid out, and by what is in their \
+             rooms. The last column is the mean of measured less requested."
+        }
+        (table("", &head(["cells", "maps", "n", "rank correlation", "mean error", "offset"]), &rows))
+    }
+}
+
 fn all_sizes(all: &AllSizes) -> Markup {
-    let row = vec![
-        cell(all.maps),
-        interval(all.rho, 2),
-        cell(all.wall_length.map_or_else(|| "–".to_owned(), |rho| format!("{rho:.2}"))),
-    ];
+    let row = vec![cell(all.maps), interval(all.rho, 2), number(all.wall_length)];
     let mut names = head(["n"]);
     names.push(with_interval("rank correlation"));
     names.extend(head(["of metres of wall alone"]));

@@ -5,13 +5,12 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use envgen::Seed;
-use envgen::calibration::Dials;
 use envgen::indoor::IndoorSpec;
 use serde::{Deserialize, Serialize};
 
 use super::design::{Part, ProofDesign, ProofMap};
 use super::dial::Dial;
-use crate::difficulty::measure::{mean, scores};
+use crate::difficulty::measure::scores;
 use crate::difficulty::{Panel, reference_scale, verified};
 use crate::experiment::lines::{self, Lines};
 use crate::experiment::survey::{SurveyFolder, SurveyProgress};
@@ -27,6 +26,9 @@ pub struct ProofResult {
     pub map: ProofMap,
     /// The mean score of each panel by the design's dial, the reference first.
     pub scores: Vec<f64>,
+    /// The variance of each of these means by noise: by how much trials of the same map and condition differ. `None`
+    /// where each condition has one trial.
+    pub noise: Vec<Option<f64>>,
 }
 
 /// A map that won its race, as a line of a file.
@@ -66,7 +68,7 @@ pub fn run(
             return Ok(None);
         }
     }
-    let mut scores = vec![Vec::new(); maps.len()];
+    let mut means = vec![Vec::new(); maps.len()];
     for panel in design.panels() {
         let stage = format!("{}, {}", part.name(), panel.name);
         let folder = folder.join(inner_folder(part, &panel));
@@ -76,15 +78,15 @@ pub fn run(
         if !folder.run(threads, &watch)? {
             return Ok(None);
         }
-        let found = means(&folder, design.dial);
-        for (own, mean) in scores.iter_mut().zip(found) {
+        for (own, mean) in means.iter_mut().zip(map_means(&folder, design.dial)) {
             own.push(mean);
         }
     }
     // A world in which a robot cannot drive has no place in the comparison of panels; the analysis counts these.
-    let whole = maps.into_iter().zip(scores).filter_map(|(map, scores)| {
-        let scores = scores.into_iter().collect::<Option<Vec<f64>>>()?;
-        Some(ProofResult { map, scores })
+    let whole = maps.into_iter().zip(means).filter_map(|(map, means)| {
+        let means = means.into_iter().collect::<Option<Vec<Mean>>>()?;
+        let (scores, noise) = means.into_iter().map(|mean| (mean.score, mean.noise)).unzip();
+        Some(ProofResult { map, scores, noise })
     });
     Ok(Some(whole.collect()))
 }
@@ -120,14 +122,42 @@ fn inner_folder(part: Part, panel: &Panel) -> PathBuf {
     Path::new(part.name()).join(folder_name(&panel.name))
 }
 
-/// The mean score of each map by a dial, where trials can run.
-fn means(folder: &SurveyFolder, dial: Dial) -> Vec<Option<f64>> {
+/// What a panel measured of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Mean {
+    score: f64,
+    /// The variance of the score by noise.
+    noise: Option<f64>,
+}
+
+impl Mean {
+    /// The mean over trials with their conditions; `None` of none.
+    fn new(trials: &[(u32, f64)]) -> Option<Self> {
+        let n = trials.len() as f64;
+        let mean = |trials: &[(u32, f64)]| {
+            trials.iter().map(|(_, score)| score).sum::<f64>() / trials.len() as f64
+        };
+        let mut sorted = trials.to_vec();
+        sorted.sort_by_key(|(condition, _)| *condition);
+        let (mut squares, mut freedom) = (0.0, 0.0);
+        for own in sorted.chunk_by(|a, b| a.0 == b.0) {
+            let mean = mean(own);
+            squares += own.iter().map(|(_, score)| (score - mean) * (score - mean)).sum::<f64>();
+            freedom += own.len() as f64 - 1.0;
+        }
+        let noise = (freedom > 0.0).then(|| squares / freedom / n);
+        (n > 0.0).then(|| Mean { score: mean(trials), noise })
+    }
+}
+
+/// What a panel measured of each map by a dial, where trials can run.
+fn map_means(folder: &SurveyFolder, dial: Dial) -> Vec<Option<Mean>> {
     let mut found = vec![Vec::new(); folder.survey().families.len()];
     for record in folder.records() {
-        found[record.map as usize].extend(record.scores.as_ref().map(scores));
+        let score = record.scores.as_ref().map(|all| (record.condition, dial.of(scores(all))));
+        found[record.map as usize].extend(score);
     }
-    let of = |all: Vec<Dials<f64>>| (!all.is_empty()).then(|| dial.of(mean(all.into_iter())));
-    found.into_iter().map(of).collect()
+    found.iter().map(|trials| Mean::new(trials)).collect()
 }
 
 /// The name of a panel, as a folder that needs no quotes.
@@ -230,4 +260,20 @@ fn winners(text: &str, path: &Path) -> Result<BTreeMap<Seed, IndoorSpec>, Experi
         Ok((seed, spec))
     };
     text.lines().enumerate().map(winner).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_what_trials_of_a_condition_differ_by() {
+        // Conditions 0 and 1, whose means are 2 and 6; the first has a variance of 2, the second of 0.
+        let trials = [(0, 1.0), (1, 6.0), (0, 3.0), (1, 6.0)];
+        let found = Mean::new(&trials).expect("a mean");
+        assert_eq!(found, Mean { score: 4.0, noise: Some(0.25) });
+        let single = Mean::new(&trials[..2]).expect("a mean");
+        assert_eq!(single, Mean { score: 3.5, noise: None });
+        assert_eq!(Mean::new(&[]), None);
+    }
 }
