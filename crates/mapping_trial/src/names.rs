@@ -72,6 +72,7 @@ impl Named for PolicyKind {
         ("cautious", PolicyKind::Cautious),
         ("wall_follow", PolicyKind::WallFollow),
         ("corridors", PolicyKind::Corridors),
+        ("tour", PolicyKind::Tour),
     ];
 }
 

@@ -7,7 +7,7 @@ use envgen::geometry::unit_vector;
 use glam::DVec2;
 
 use super::costmap::{Costmap, Node, SIDE};
-use super::navigator::{Navigator, Planning};
+use super::navigator::Navigator;
 use super::search::COST_PER_METRE;
 use super::{Decision, ExplorationPolicy, PolicyInput};
 use crate::map::{Cell, CellIndex};
@@ -31,23 +31,22 @@ const FARTHER: f64 = 15.0;
 pub(super) struct InfoGain {
     navigator: Navigator,
     rays: Vec<DVec2>,
-    seen: Vec<bool>,
     candidates: Vec<(Node, u32)>,
 }
 
 impl InfoGain {
     pub(super) fn new(navigator: Navigator) -> Self {
         let rays = (0..RAYS).map(|ray| unit_vector(TAU * f64::from(ray) / f64::from(RAYS)));
-        InfoGain { navigator, rays: rays.collect(), seen: Vec::new(), candidates: Vec::new() }
+        InfoGain { navigator, rays: rays.collect(), candidates: Vec::new() }
     }
 }
 
 impl ExplorationPolicy for InfoGain {
     fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
-        let InfoGain { navigator, rays, seen, candidates } = self;
+        let InfoGain { navigator, rays, candidates } = self;
         let range = view.laser.max_range.clamp(0.0, 10.0);
         navigator.explore(view, |planning| {
-            collect(planning, seen, candidates);
+            planning.nearest_of_each(CANDIDATES, FARTHER, candidates);
             let costmap = &*planning.costmap;
             let worth = |&(node, cost): &(Node, u32)| {
                 let gain = unknown_area(costmap, costmap.point(node), rays, range);
@@ -67,31 +66,6 @@ impl ExplorationPolicy for InfoGain {
     fn path(&self, robot: usize) -> &[DVec2] {
         self.navigator.path(robot)
     }
-}
-
-/// The nearest goal of each of the nearest clusters, with the cost of the path.
-fn collect(planning: &mut Planning<'_>, seen: &mut Vec<bool>, candidates: &mut Vec<(Node, u32)>) {
-    let Planning { costmap, frontiers, search, pose, blocks, .. } = planning;
-    seen.clear();
-    seen.resize(frontiers.len(), false);
-    candidates.clear();
-    let most = frontiers.with_goal().min(CANDIDATES);
-    if most == 0 {
-        return;
-    }
-    let mut farthest = u32::MAX;
-    search.nearest(costmap, pose.position, blocks, |node, cost| {
-        if let Some(cluster) = frontiers.cluster_at(node)
-            && !seen[cluster]
-        {
-            if candidates.is_empty() {
-                farthest = cost.saturating_add((FARTHER * f64::from(COST_PER_METRE)) as u32);
-            }
-            seen[cluster] = true;
-            candidates.push((node, cost));
-        }
-        candidates.len() >= most || cost > farthest
-    });
 }
 
 /// Unknown area in square metres that is likely to be seen from a point.

@@ -14,6 +14,7 @@ mod nearest;
 mod path;
 mod pursuit;
 pub mod search;
+mod tour;
 mod wall_follow;
 
 use serde::{Deserialize, Serialize};
@@ -54,6 +55,8 @@ pub enum PolicyKind {
     /// Hallways first, rooms later, with a delay of reaction: what the operators of Zwennes (2011)
     /// described.
     Corridors,
+    /// Goes to the first frontier of the shortest tour of those that are known.
+    Tour,
 }
 
 /// The policy of a kind for this number of equal robots.
@@ -70,6 +73,7 @@ pub fn build(
         PolicyKind::Cautious => Box::new(cautious::Cautious::new(navigator, robots)),
         PolicyKind::WallFollow => Box::new(wall_follow::WallFollow::new(navigator, robots)),
         PolicyKind::Corridors => Box::new(corridors::Corridors::new(navigator, robots)),
+        PolicyKind::Tour => Box::new(tour::Tour::new(navigator)),
     }
 }
 

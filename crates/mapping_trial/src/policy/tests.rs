@@ -299,12 +299,13 @@ fn frontiers_are_where_the_unknown_is_wide() {
     assert_eq!(frontiers.goals(), 0);
 }
 
-const KINDS: [PolicyKind; 5] = [
+const KINDS: [PolicyKind; 6] = [
     PolicyKind::Nearest,
     PolicyKind::InfoGain,
     PolicyKind::Cautious,
     PolicyKind::WallFollow,
     PolicyKind::Corridors,
+    PolicyKind::Tour,
 ];
 
 /// Asks every policy for some seconds, and returns its last decisions.
@@ -376,6 +377,6 @@ fn kinds_are_named_as_in_files() {
     let name = |kind| serde_json::to_string(&kind).expect("a name");
     assert_eq!(
         KINDS.map(name).join(" ").replace('"', ""),
-        "nearest info_gain cautious wall_follow corridors"
+        "nearest info_gain cautious wall_follow corridors tour"
     );
 }

@@ -9,12 +9,13 @@ use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::policy::{PolicyKind, build};
 
-const KINDS: [PolicyKind; 5] = [
+const KINDS: [PolicyKind; 6] = [
     PolicyKind::Nearest,
     PolicyKind::InfoGain,
     PolicyKind::Cautious,
     PolicyKind::WallFollow,
     PolicyKind::Corridors,
+    PolicyKind::Tour,
 ];
 
 fn building(side: u32, seed: u64) -> World {

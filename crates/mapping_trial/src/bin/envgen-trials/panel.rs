@@ -44,7 +44,7 @@ pub(crate) struct PanelOptions {
     #[arg(long, value_name = "ERRORS", value_parser = WheelCalibration::named)]
     wheel_calibration: Option<WheelCalibration>,
 
-    /// The only policy that drives: nearest, info_gain, cautious, wall_follow or corridors.
+    /// The only policy that drives: nearest, info_gain, cautious, wall_follow, corridors or tour.
     #[arg(long = "policy", alias = "operator", value_parser = PolicyKind::named)]
     policy: Option<PolicyKind>,
 

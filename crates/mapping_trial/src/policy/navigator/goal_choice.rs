@@ -45,6 +45,36 @@ impl Planning<'_> {
         let goal = |node, _| frontiers.cluster_at(node).is_some_and(&wanted);
         search.nearest(costmap, pose.position, blocks, goal)
     }
+
+    /// The nearest goal of each cluster with the cost of the path to it, the nearest first: of at most `most` clusters,
+    /// and of those up to `farther` metres beyond the nearest.
+    pub(in crate::policy) fn nearest_of_each(
+        &mut self,
+        most: usize,
+        farther: f64,
+        goals: &mut Vec<(Node, u32)>,
+    ) {
+        let Planning { costmap, frontiers, search, pose, blocks, .. } = self;
+        goals.clear();
+        let most = frontiers.with_goal().min(most);
+        if most == 0 {
+            return;
+        }
+        let mut seen = vec![false; frontiers.len()];
+        let mut farthest = u32::MAX;
+        search.nearest(costmap, pose.position, blocks, |node, cost| {
+            if let Some(cluster) = frontiers.cluster_at(node)
+                && !seen[cluster]
+            {
+                if goals.is_empty() {
+                    farthest = cost.saturating_add((farther * f64::from(COST_PER_METRE)) as u32);
+                }
+                seen[cluster] = true;
+                goals.push((node, cost));
+            }
+            goals.len() >= most || cost > farthest
+        });
+    }
 }
 
 /// What a robot is to do.
