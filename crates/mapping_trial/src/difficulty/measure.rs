@@ -84,7 +84,7 @@ pub struct Measuring<'a> {
 }
 
 impl<'a> Measuring<'a> {
-    /// Begins to measure; trials draw their noise from `noise` and the seeds after it.
+    /// Begins to measure; trials draw their noise from `noise` and the seeds after it, each from its own.
     pub fn new(world: &World, panel: &'a Panel, noise: Seed) -> Self {
         let source = LogWorld::Given(Box::new(world.clone()));
         let scores = vec![Vec::new(); panel.conditions.len()];
@@ -98,7 +98,9 @@ impl<'a> Measuring<'a> {
     pub fn add(&mut self, conditions: &[usize]) -> Result<(), MeasureError> {
         let run = |condition: usize| {
             let own = &self.panel.conditions[condition];
-            let noise = self.noise.offset(self.scores[condition].len() as u64);
+            // The same noise under all conditions would not average out.
+            let count = self.panel.conditions.len() * self.scores[condition].len() + condition;
+            let noise = self.noise.offset(count as u64);
             let outcome = self.site.run(own, noise).map_err(|failure| {
                 let condition = own.name.clone();
                 match failure {
@@ -251,6 +253,23 @@ mod tests {
         // Three degrees of freedom without any spread, six with the usual one.
         let variance = 6.0 * 0.25 / 9.0;
         assert!((found.standard_error - (variance * 1.25_f64).sqrt() / 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn every_trial_has_noise_of_its_own() {
+        let mut panel = Panel::reference();
+        panel.conditions.truncate(1);
+        panel.conditions.push(panel.conditions[0].clone());
+        let world = HallwaySpec { segments: 3, ..Default::default() };
+        let world = world.generate(Seed(1)).expect("a hallway").to_world();
+        let mut measuring = Measuring::new(&world, &panel, Seed(5));
+        for _ in 0..2 {
+            measuring.add(&[0, 1]).expect("trials");
+        }
+        let mut scores: Vec<f64> =
+            measuring.scores.concat().iter().map(|(scores, _)| scores.mapping).collect();
+        scores.sort_by(f64::total_cmp);
+        assert!(scores.windows(2).all(|pair| pair[0] < pair[1]), "{scores:?}");
     }
 
     #[test]
