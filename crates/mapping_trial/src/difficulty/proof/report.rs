@@ -156,10 +156,10 @@ fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
         p.note {
             "At least " (design.noise_seeds) " trials per map and condition, and " (design.panel_trials) " per map and \
              panel. Slopes and intercepts are of linked values: those of another panel are put on the reference's \
-             scale by maps of their own, by mean and deviation. " (near) " is the share of the maps whose measured \
-             difficulty, not linked, is at most that far from the request. The reliability is the share of the \
-             variance of what is measured over maps that is not noise of trials; the rank correlation divided by \
-             its root is that of values without noise, at most 1."
+             scale by maps of their own, by mean and deviation. The column \"" (near) "\" is the share of the maps \
+             whose measured difficulty, not linked, is at most that far from the request. The reliability is the share \
+             of the variance of what is measured over maps that is not noise of trials; the rank correlation divided \
+             by its root, at most 1, estimates that without noise."
         }
         (table("", &names, &rows))
     }
@@ -241,8 +241,8 @@ fn kinds(kinds: &[MapKind]) -> Markup {
     let rows: Vec<Vec<Markup>> = kinds.iter().map(row).collect();
     html! {
         p.note {
-            "The calibrated maps under the reference panel, by how their hallways are laid out, and by what is in their \
-             rooms. The last column is the mean of measured less requested."
+            "The calibrated maps under the reference panel, by how their hallways are laid out, and by whether their \
+             settings ask for mazes in rooms. The last column is the mean of measured less requested."
         }
         (table("", &head(["cells", "maps", "n", "rank correlation", "mean error", "offset"]), &rows))
     }

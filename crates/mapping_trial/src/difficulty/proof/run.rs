@@ -26,8 +26,8 @@ pub struct ProofResult {
     pub map: ProofMap,
     /// The mean score of each panel by the design's dial, the reference first.
     pub scores: Vec<f64>,
-    /// The variance of each of these means by noise: by how much trials of the same map and condition differ. `None`
-    /// where each condition has one trial.
+    /// The variance of each of these means by noise: by how much the means of different noise seeds differ. `None`
+    /// of a single seed.
     pub noise: Vec<Option<f64>>,
 }
 
@@ -131,21 +131,19 @@ struct Mean {
 }
 
 impl Mean {
-    /// The mean over trials with their conditions; `None` of none.
+    /// The mean over trials with the numbers of their noise seeds; `None` of none.
     fn new(trials: &[(u32, f64)]) -> Option<Self> {
-        let n = trials.len() as f64;
         let mean = |trials: &[(u32, f64)]| {
             trials.iter().map(|(_, score)| score).sum::<f64>() / trials.len() as f64
         };
         let mut sorted = trials.to_vec();
-        sorted.sort_by_key(|(condition, _)| *condition);
-        let (mut squares, mut freedom) = (0.0, 0.0);
-        for own in sorted.chunk_by(|a, b| a.0 == b.0) {
-            let mean = mean(own);
-            squares += own.iter().map(|(_, score)| (score - mean) * (score - mean)).sum::<f64>();
-            freedom += own.len() as f64 - 1.0;
-        }
-        let noise = (freedom > 0.0).then(|| squares / freedom / n);
+        sorted.sort_by_key(|(noise, _)| *noise);
+        // All conditions have the same noise, so that their trials are not independent.
+        let seeds: Vec<f64> = sorted.chunk_by(|a, b| a.0 == b.0).map(mean).collect();
+        let n = seeds.len() as f64;
+        let middle = seeds.iter().sum::<f64>() / n;
+        let squares = seeds.iter().map(|seed| (seed - middle) * (seed - middle)).sum::<f64>();
+        let noise = (n > 1.0).then(|| squares / (n - 1.0) / n);
         (n > 0.0).then(|| Mean { score: mean(trials), noise })
     }
 }
@@ -154,7 +152,7 @@ impl Mean {
 fn map_means(folder: &SurveyFolder, dial: Dial) -> Vec<Option<Mean>> {
     let mut found = vec![Vec::new(); folder.survey().families.len()];
     for record in folder.records() {
-        let score = record.scores.as_ref().map(|all| (record.condition, dial.of(scores(all))));
+        let score = record.scores.as_ref().map(|all| (record.noise, dial.of(scores(all))));
         found[record.map as usize].extend(score);
     }
     found.iter().map(|trials| Mean::new(trials)).collect()
@@ -267,13 +265,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_is_what_trials_of_a_condition_differ_by() {
-        // Conditions 0 and 1, whose means are 2 and 6; the first has a variance of 2, the second of 0.
-        let trials = [(0, 1.0), (1, 6.0), (0, 3.0), (1, 6.0)];
+    fn noise_is_what_the_means_of_seeds_differ_by() {
+        // Two conditions under the seeds 0 and 1, whose means are 3 and 5: a variance of 2, of two seeds.
+        let trials = [(0, 1.0), (1, 3.0), (0, 5.0), (1, 7.0)];
         let found = Mean::new(&trials).expect("a mean");
-        assert_eq!(found, Mean { score: 4.0, noise: Some(0.25) });
-        let single = Mean::new(&trials[..2]).expect("a mean");
-        assert_eq!(single, Mean { score: 3.5, noise: None });
+        assert_eq!(found, Mean { score: 4.0, noise: Some(1.0) });
+        let single = Mean::new(&[trials[0], trials[2]]).expect("a mean");
+        assert_eq!(single, Mean { score: 3.0, noise: None });
         assert_eq!(Mean::new(&[]), None);
     }
 }
