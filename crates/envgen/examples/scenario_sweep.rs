@@ -31,7 +31,7 @@ use watch::Watch;
     about = "Runs people and doors in random maps, and states whether anyone is in something"
 )]
 struct Arguments {
-    /// The file of results, a line per map; a file of the same options is continued.
+    /// The file of results, a line per map. A file of the same options is continued.
     file: PathBuf,
     /// Maps to run.
     #[arg(long, default_value_t = 100)]
@@ -42,21 +42,35 @@ struct Arguments {
     /// Simulated hours per map.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     hours: u64,
-    /// The least area per person in square metres.
-    #[arg(long, default_value_t = MOST_PEOPLE)]
+    /// The least area per person in square metres, from 9 to 1e6: a map has at least one person.
+    #[arg(long, default_value_t = MOST_PEOPLE, value_parser = area)]
     area: f64,
 }
 
+fn area(text: &str) -> Result<f64, String> {
+    let area: Option<f64> = text.parse().ok();
+    area.filter(|area| (9.0..=1e6).contains(area))
+        .ok_or_else(|| "a number from 9 to 1e6 is allowed".to_owned())
+}
+
 fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
-    let Arguments { file, maps, seed, hours, area } = Arguments::parse();
-    let mut file = OpenOptions::new().read(true).append(true).create(true).open(file)?;
+    let Arguments { file: path, maps, seed, hours, area } = Arguments::parse();
+    let mut file = OpenOptions::new().read(true).append(true).create(true).open(&path)?;
     let mut lines: Vec<Value> = Vec::new();
-    for line in BufReader::new(&file).lines() {
-        lines.push(serde_json::from_str(&line?)?);
+    for (line, index) in BufReader::new(&file).lines().zip(0..) {
+        let line: Value = serde_json::from_str(&line?)?;
+        if ["seed", "hours", "area"].map(|name| &line[name])
+            != [&json!(seed.wrapping_add(index)), &json!(hours), &json!(area)]
+        {
+            return Err(
+                format!("{}: line {} is of other options", path.display(), index + 1).into()
+            );
+        }
+        lines.push(line);
     }
     let mut out = std::io::stdout().lock();
     for index in lines.len() as u64..maps {
-        let line = run(Seed(seed.wrapping_add(index)), hours, area)?;
+        let line = run(seed.wrapping_add(index), hours, area)?;
         writeln!(file, "{line}")?;
         writeln!(out, "{}/{maps}: {line}", index + 1)?;
         lines.push(line);
@@ -68,9 +82,9 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let over = |name: &str| values(name).iter().filter(|seconds| **seconds > 60.0).count();
     writeln!(
         out,
-        "{} maps, {:.0} h, {:.0} h of people: {:.1} % of walks are waits, longest {:.0} s, over a minute in {} maps; with \
-         a free path {:.0} s, over a minute in {} maps; without a goal {:.0} s, longest {:.0} s; greatest overlap \
-         {:.6} m",
+        "{} maps, {:.0} h, {:.0} h of people: {:.1} % of walks are waits, longest {:.0} s, over a minute in {} \
+         maps; with a free path {:.0} s, over a minute in {} maps; without a goal {:.0} s, longest {:.0} s; greatest \
+         overlap {:.6} m",
         lines.len(),
         sum("hours"),
         sum("person_hours"),
@@ -87,8 +101,8 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
 }
 
 /// Runs a map.
-fn run(seed: Seed, hours: u64, area: f64) -> Result<Value, Box<dyn std::error::Error>> {
-    let (world, scenario) = busy_map(seed, area)?;
+fn run(seed: u64, hours: u64, area: f64) -> Result<Value, Box<dyn std::error::Error>> {
+    let (world, scenario) = busy_map(Seed(seed), area)?;
     let people = scenario.people.len() as f64;
     let mut state = ScenarioState::new(&world, &scenario)?;
     let mut watch = Watch::default();
@@ -97,8 +111,9 @@ fn run(seed: Seed, hours: u64, area: f64) -> Result<Value, Box<dyn std::error::E
         watch.look(&state, &[]);
     }
     Ok(json!({
-        "seed": seed.0,
+        "seed": seed,
         "hours": hours,
+        "area": area,
         "person_hours": people * hours as f64,
         "walked_s": watch.walked,
         "waited_s": watch.waited,

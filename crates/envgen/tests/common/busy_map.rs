@@ -10,7 +10,7 @@ pub(crate) const MOST_PEOPLE: f64 = 18.0;
 /// A cell of an indoor map in square metres.
 const CELL: f64 = 9.0;
 
-/// A map of a random size with random doors, and up to one person on so many square metres.
+/// A map of a random size with random doors, and one person or up to one on `area` square metres.
 pub(crate) fn busy_map(
     seed: Seed,
     area: f64,
