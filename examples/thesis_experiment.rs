@@ -77,7 +77,7 @@ struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "1,3,5,7,9")]
     levels: Vec<f64>,
 
-    /// Policies of the larger design [default: all five, with --quick nearest].
+    /// Policies of the larger design [default: all but tour, with --quick nearest].
     #[arg(long, alias = "operators", value_delimiter = ',', value_parser = named::<PolicyKind>())]
     policies: Option<Vec<PolicyKind>>,
 

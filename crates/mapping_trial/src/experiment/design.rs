@@ -80,7 +80,7 @@ settings! {
 }
 
 settings! {
-    /// The paper's own design: a few maps per level, once by each of five policies.
+    /// The paper's own design: a few maps per level, once by each of its policies.
     pub struct Replay {
         /// Maps per level, no more than the design has.
         maps: u32 = 2 => integer("", 1..=MAX_MAPS as u64);
@@ -107,7 +107,7 @@ pub struct TrialId {
     pub policy: PolicyKind,
 }
 
-/// Those of the experiments in the guide.
+/// Those of the experiments in the guide, which are older than `tour`.
 fn default_policies() -> Vec<PolicyKind> {
     use PolicyKind::{Cautious, Corridors, InfoGain, Nearest, WallFollow};
     vec![Nearest, InfoGain, Cautious, WallFollow, Corridors]

@@ -55,7 +55,7 @@ pub enum PolicyKind {
     /// Hallways first, rooms later, with a delay of reaction: what the operators of Zwennes (2011)
     /// described.
     Corridors,
-    /// Goes to the first frontier of the shortest tour of those that are known.
+    /// Goes to the first of the eight nearest frontiers on the shortest path through all of them.
     Tour,
 }
 

@@ -373,6 +373,46 @@ fn nothing_panics_on_what_no_trial_gives() {
 }
 
 #[test]
+fn a_tour_begins_where_nearest_does_not() {
+    // A hallway along x with unknown space at -3 and 9 m, and through a gap in the wall above 2 m. The nearest is the
+    // gap; a path through all three begins at -3.
+    let mut map = OccupancyMap::new();
+    for row in -21..=20 {
+        for col in -60..180 {
+            let is_wall = row == -21 || (row == 20 && !(28..52).contains(&col));
+            map.add(CellIndex { col, row }, if is_wall { 400 } else { -400 });
+        }
+    }
+    map.touch(Rect::new(DVec2::new(-3.0, -1.1), DVec2::new(9.0, 1.1)));
+    let (body, laser) = (Robot::default(), LaserProfile::default());
+    let goal = |kind: PolicyKind| {
+        let mut policy = build(kind, 1, &body, &laser);
+        for step in 0..400 {
+            let time = 0.1 * f64::from(step);
+            policy.decide(&PolicyInput {
+                robot: 0,
+                estimates: &[Estimate::default()],
+                map: &map,
+                scan: &Scan { ranges: vec![1.0; 181] },
+                water: &[],
+                seen: &Observation { time, battery: 100.0, ..Default::default() },
+                body: &body,
+                laser: &laser,
+                area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
+            });
+            if let [first, .., last] = policy.path(0) {
+                assert!(first.length() < 0.2, "{kind:?}: paths begin at the robot, not at {first}");
+                return *last;
+            }
+        }
+        panic!("{kind:?} has no path");
+    };
+    let (near, first) = (goal(PolicyKind::Nearest), goal(PolicyKind::Tour));
+    assert!((1.0..3.0).contains(&near.x) && near.y > 0.5, "{near}");
+    assert!(first.x < -2.0, "{first}");
+}
+
+#[test]
 fn kinds_are_named_as_in_files() {
     let name = |kind| serde_json::to_string(&kind).expect("a name");
     assert_eq!(

@@ -1,5 +1,6 @@
-//! Visits all frontiers on the shortest tour (Kulich, Faigl and Preucil, On distance utility in the exploration task,
-//! 2011).
+//! The first frontier of the shortest path through the nearest ones. As the goals of Kulich, Faigl and Preucil (On
+//! distance utility in the exploration task, 2011), but a path that does not return, through the nearest cells of at most
+//! eight frontiers.
 
 use glam::DVec2;
 
@@ -7,10 +8,10 @@ use super::costmap::Node;
 use super::navigator::{Navigator, Planning};
 use super::{Decision, ExplorationPolicy, PolicyInput};
 
-/// The most frontiers of a tour: the nearest.
+/// The most frontiers on a path.
 const STOPS: usize = 8;
 
-/// Goes to the first frontier of the shortest tour of those that are known.
+/// Goes to the first of the eight nearest frontiers on the shortest path through all of them.
 #[derive(Debug)]
 pub(super) struct Tour {
     navigator: Navigator,

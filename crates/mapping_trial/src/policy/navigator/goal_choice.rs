@@ -47,7 +47,7 @@ impl Planning<'_> {
     }
 
     /// The nearest goal of each cluster with the cost of the path to it, the nearest first: of at most `most` clusters,
-    /// and of those up to `farther` metres beyond the nearest.
+    /// and of those up to about `farther` metres beyond the nearest.
     pub(in crate::policy) fn nearest_of_each(
         &mut self,
         most: usize,
