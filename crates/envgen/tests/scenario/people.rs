@@ -61,7 +61,7 @@ fn nobody_is_in_anything_in_random_maps() {
 fn nobody_stays_where_a_path_away_is_free() {
     // Maps of `scenario_sweep` with an obstacle beside the swing of a door, with narrow passages, without a free place
     // beside a jam, without room for more than a step back, with a jam that others would walk into, and with someone
-    // who stands where new paths turn.
+    // who stays where new paths turn.
     for (seed, seconds) in [(106, 960), (36, 1500), (26, 720), (90, 240), (20, 2160), (114, 1440)] {
         let (world, scenario) = busy_map(Seed(seed), MOST_PEOPLE).unwrap();
         let mut state = ScenarioState::new(&world, &scenario).unwrap();
