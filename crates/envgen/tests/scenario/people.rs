@@ -71,6 +71,15 @@ fn nobody_stays_where_a_path_away_is_free() {
 }
 
 #[test]
+fn nobody_steps_aside_to_where_no_path_leads_away() {
+    // Someone once squeezed into a room whose doorway is too narrow for paths, and stayed there.
+    let (world, scenario) = busy_map(Seed(1605), 120.0).unwrap();
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    let (_, longest) = run(&mut state, 5500, &[]).without_goal;
+    assert!(longest < 10.0, "someone found no goal for {longest} s");
+}
+
+#[test]
 fn who_finds_no_goal_is_counted() {
     // No place is a metre away from the only one.
     let mut world = room_with_a_person("regular").0;

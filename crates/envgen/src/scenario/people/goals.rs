@@ -123,7 +123,9 @@ impl Crowd {
         match found {
             Some((place, path)) => self.walk(i, place, path),
             None if is_blocked => {}
-            None => person.task = Task::Stand { until: around.tick + TICKS_PER_SECOND },
+            // Who was pushed to where no path begins gets away as those do whom others hold up.
+            None if !places.is_empty() && self.leave_between_others(i, around) => {}
+            None => self.people[i].task = Task::Stand { until: around.tick + TICKS_PER_SECOND },
         }
     }
 

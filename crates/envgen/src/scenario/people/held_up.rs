@@ -9,7 +9,7 @@ use super::places::ROOMY;
 use super::surroundings::Surroundings;
 use crate::geometry::segments_cross;
 use crate::scenario::PERSON_RADIUS;
-use crate::scenario::person::PersonState;
+use crate::scenario::person::{PersonState, Task};
 
 /// Someone who gave up a goal this often without coming farther than this many metres looks for a path between
 /// the others.
@@ -83,9 +83,13 @@ impl Crowd {
         };
         let blockers = self.blockers(i, around);
         let to_place = free_path(space, from, &blockers, |cell| place_of(cell).is_some());
+        // Nobody goes where only a gap leads that is too narrow for paths: no path would lead away again.
+        let goal = self.people[i].place.map(|place| place as usize);
+        let leads_on = |p: DVec2| goal.is_none_or(|goal| routes.begins_near(space, p, goal));
         let aside = |least: f64, is_fit: &dyn Fn(usize) -> bool| {
             free_path(space, from, &blockers, |cell| {
-                space.frame.center_of(cell).distance_squared(from) >= least * least && is_fit(cell)
+                let p = space.frame.center_of(cell);
+                p.distance_squared(from) >= least * least && is_fit(cell) && leads_on(p)
             })
         };
         let is_roomy = |cell| space.cell_clearance(cell) >= ROOMY && door_zones.of(cell).is_empty();
@@ -100,6 +104,7 @@ impl Crowd {
             Some(place) => self.walk(i, place as u32, path),
             None => {
                 (person.path, person.on_path) = (path, true);
+                person.task = Task::Walk;
                 self.forget_wish(i);
             }
         }

@@ -107,6 +107,11 @@ impl Routes {
         Some(if path.is_empty() { vec![goal] } else { path })
     }
 
+    /// Whether a path to a place begins near a point.
+    pub(super) fn begins_near(&self, space: &FreeSpace, from: DVec2, place: usize) -> bool {
+        self.tree(space, place).is_some_and(|tree| self.entry(space, tree, from).is_some())
+    }
+
     /// The direction in which a path to a place begins, as the grid knows it; much less work than the path.
     pub(super) fn direction(&self, space: &FreeSpace, from: DVec2, place: usize) -> Option<DVec2> {
         let tree = self.tree(space, place)?;
