@@ -50,7 +50,7 @@ impl ExplorationPolicy for Tour {
     }
 }
 
-/// Costs of the paths from a stop to all; the greatest number where there is none.
+/// Costs of the paths from a stop to all; `u32::MAX` where there is none.
 fn costs_from(planning: &mut Planning<'_>, from: Node, stops: &[(Node, u32)]) -> Vec<u32> {
     let Planning { costmap, search, blocks, .. } = planning;
     let (mut costs, mut left) = (vec![u32::MAX; stops.len()], stops.len());

@@ -5,6 +5,7 @@ use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::{Blueprint, Spec};
 use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
+use statrs::statistics::Statistics;
 
 use super::agreement::{Agreement, Link, agreement};
 use super::design::{Part, ProofDesign};
@@ -208,11 +209,8 @@ pub fn analyse(
 /// Share of the variance of what a panel measures over maps that is not noise of trials.
 fn reliability(maps: &[&ProofResult], panel: usize) -> Option<f64> {
     let noise: Vec<f64> = maps.iter().map(|one| one.noise[panel]).collect::<Option<_>>()?;
-    let n = maps.len() as f64;
-    let mean = maps.iter().map(|one| one.scores[panel]).sum::<f64>() / n;
-    let squares = maps.iter().map(|one| (one.scores[panel] - mean) * (one.scores[panel] - mean));
-    let variance = squares.sum::<f64>() / (n - 1.0);
-    (variance > 0.0).then(|| (1.0 - noise.iter().sum::<f64>() / n / variance).clamp(0.0, 1.0))
+    let variance = maps.iter().map(|one| one.scores[panel]).variance();
+    (variance > 0.0).then(|| (1.0 - noise.mean() / variance).clamp(0.0, 1.0))
 }
 
 /// The maps of the parts that were run which have no result.

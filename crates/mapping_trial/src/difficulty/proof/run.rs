@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use envgen::Seed;
 use envgen::indoor::IndoorSpec;
 use serde::{Deserialize, Serialize};
+use statrs::statistics::Statistics;
 
 use super::design::{Part, ProofDesign, ProofMap};
 use super::dial::Dial;
@@ -140,11 +141,8 @@ impl Mean {
         sorted.sort_by_key(|(noise, _)| *noise);
         // All conditions have the same noise, so that their trials are not independent.
         let seeds: Vec<f64> = sorted.chunk_by(|a, b| a.0 == b.0).map(mean).collect();
-        let n = seeds.len() as f64;
-        let middle = seeds.iter().sum::<f64>() / n;
-        let squares = seeds.iter().map(|seed| (seed - middle) * (seed - middle)).sum::<f64>();
-        let noise = (n > 1.0).then(|| squares / (n - 1.0) / n);
-        (n > 0.0).then(|| Mean { score: mean(trials), noise })
+        let noise = (seeds.len() > 1).then(|| (&seeds).variance() / seeds.len() as f64);
+        (!seeds.is_empty()).then(|| Mean { score: mean(trials), noise })
     }
 }
 
