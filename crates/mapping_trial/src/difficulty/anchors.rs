@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::measure::{MeasureError, mean, scores};
 use super::panel::Panel;
-use crate::experiment::survey::{Family, Record, Survey, SurveyError, ron_options};
+use crate::experiment::survey::{Family, Record, Survey, SurveyError, SurveyNoise, ron_options};
 
 const FIRST: &str = include_str!("anchors_1.ron");
 
@@ -56,7 +56,8 @@ impl Anchors {
     /// The survey of the anchors under a panel; the easy worlds come first.
     pub fn survey(&self, panel: &Panel, noise_seeds: u32) -> Survey {
         let families = self.easy.iter().chain(&self.hard).cloned().collect();
-        Survey { families, conditions: panel.conditions.clone(), noise_seeds }
+        let conditions = panel.conditions.clone();
+        Survey { families, conditions, noise_seeds, noise: SurveyNoise::Own }
     }
 
     /// Number of the anchors in which some trial cannot run.

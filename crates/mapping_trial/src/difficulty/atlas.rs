@@ -13,7 +13,7 @@ use super::fit::Sample;
 use super::measure::{mean, scores};
 use super::panel::Panel;
 use crate::experiment::survey::{
-    Family, MAX_SURVEY_TRIALS, Record, Survey, SurveyError, SurveyMap, ron_options,
+    Family, MAX_SURVEY_TRIALS, Record, Survey, SurveyError, SurveyMap, SurveyNoise, ron_options,
 };
 use crate::experiment::{ExperimentError, table};
 
@@ -116,7 +116,8 @@ impl AtlasDesign {
                 seeds.map(|seed| family(spec, drawn, seed)).collect::<Result<_, _>>()?
             }
         };
-        Ok(Survey { families, conditions: panel.conditions.clone(), noise_seeds: 1 })
+        let conditions = panel.conditions.clone();
+        Ok(Survey { families, conditions, noise_seeds: 1, noise: SurveyNoise::Own })
     }
 }
 

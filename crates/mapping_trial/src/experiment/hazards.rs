@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::design::{Design, policy_name};
 use super::stats::{Interval, bootstrap};
-use super::survey::{Condition, Family, Record, Survey};
+use super::survey::{Condition, Family, Record, Survey, SurveyNoise};
 use crate::names::Named;
 use crate::score::Scores;
 
@@ -133,7 +133,7 @@ pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> 
         first_seed: design.seed.offset(1000 * (i as u64 + 1)),
     });
     let (families, noise_seeds) = (families.collect(), design.noise_seeds);
-    Ok(Survey { families, conditions, noise_seeds })
+    Ok(Survey { families, conditions, noise_seeds, noise: SurveyNoise::Shared })
 }
 
 /// Checks that a survey, such as that of merged shares, is the one of these hazards.

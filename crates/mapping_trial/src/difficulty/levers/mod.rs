@@ -13,7 +13,9 @@ pub use figure::figure;
 pub use lever::{Lever, LeverLevel};
 
 use super::measure::{mean, scores};
-use crate::experiment::survey::{Condition, Family, Record, Survey, SurveyError, ron_options};
+use crate::experiment::survey::{
+    Condition, Family, Record, Survey, SurveyError, SurveyNoise, ron_options,
+};
 
 const FIRST: &str = include_str!("levers_1.ron");
 
@@ -74,7 +76,7 @@ impl LeverDesign {
             }
         }
         let (conditions, noise_seeds) = (self.conditions.clone(), self.noise_seeds);
-        Ok(Survey { families, conditions, noise_seeds })
+        Ok(Survey { families, conditions, noise_seeds, noise: SurveyNoise::Shared })
     }
 
     /// What the trials of the [survey](LeverDesign::survey) measured, lever by lever: the values of which at

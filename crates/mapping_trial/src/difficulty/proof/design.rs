@@ -5,7 +5,7 @@ use envgen::{Seed, SpecError, WorldSpec, settings};
 
 use super::dial::Dial;
 use crate::difficulty::Panel;
-use crate::experiment::survey::{Family, Survey, ron_options};
+use crate::experiment::survey::{Family, Survey, SurveyNoise, ron_options};
 
 /// Panels of what the calibration has not seen: frozen with it, and written since.
 const HELD_OUT: [&str; 2] = [include_str!("held_out_1.ron"), include_str!("held_out_2.ron")];
@@ -175,7 +175,7 @@ impl ProofDesign {
         let conditions = panel.conditions;
         let for_panel = self.panel_trials.div_ceil(conditions.len().max(1) as u32);
         let noise_seeds = self.noise_seeds.max(for_panel);
-        Survey { families: families.collect(), conditions, noise_seeds }
+        Survey { families: families.collect(), conditions, noise_seeds, noise: SurveyNoise::Own }
     }
 }
 

@@ -139,7 +139,6 @@ impl Mean {
         };
         let mut sorted = trials.to_vec();
         sorted.sort_by_key(|(noise, _)| *noise);
-        // All conditions have the same noise, so that their trials are not independent.
         let seeds: Vec<f64> = sorted.chunk_by(|a, b| a.0 == b.0).map(mean).collect();
         let noise = (seeds.len() > 1).then(|| (&seeds).variance() / seeds.len() as f64);
         (!seeds.is_empty()).then(|| Mean { score: mean(trials), noise })

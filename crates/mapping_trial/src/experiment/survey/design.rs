@@ -59,6 +59,20 @@ pub struct Survey {
     /// Trials per world and condition, which differ in sensor noise.
     #[serde(default = "one")]
     pub noise_seeds: u32,
+    /// Which trials of a world have the same sensor noise.
+    #[serde(default, skip_serializing_if = "SurveyNoise::is_default")]
+    pub noise: SurveyNoise,
+}
+
+/// Which trials of a world have the same sensor noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SurveyNoise {
+    /// Those under different conditions: for paired differences of conditions.
+    #[default]
+    Shared,
+    /// None: for means over conditions, in which shared noise would not average out.
+    Own,
 }
 
 /// Worlds of one spec with consecutive seeds.
@@ -245,11 +259,21 @@ impl Survey {
         maps.saturating_mul(per_map)
     }
 
-    /// The seed of the sensor noise of a trial: the same for all conditions, and independent of the
-    /// other families of the survey.
-    pub fn noise_seed(map: &SurveyMap<'_>, noise: u32) -> Seed {
-        let own = map.seed.0.wrapping_mul(u64::from(MAX_NOISE_SEEDS));
-        Seed(own).offset(u64::from(noise))
+    /// The seed of the sensor noise of a trial by the numbers of its condition and of its noise seed: independent of
+    /// the other families of the survey.
+    pub fn noise_seed(&self, map: &SurveyMap<'_>, condition: u32, noise: u32) -> Seed {
+        let (per_seed, own) = match self.noise {
+            SurveyNoise::Shared => (1, 0),
+            SurveyNoise::Own => (self.conditions.len() as u64, u64::from(condition)),
+        };
+        let first = map.seed.0.wrapping_mul(per_seed * u64::from(MAX_NOISE_SEEDS));
+        Seed(first).offset(u64::from(noise) * per_seed + own)
+    }
+}
+
+impl SurveyNoise {
+    fn is_default(&self) -> bool {
+        *self == Self::default()
     }
 }
 
@@ -308,7 +332,31 @@ mod tests {
             families: vec![family("a", 3, 0), family("b", 2, 40)],
             conditions: vec![condition("one"), condition("two")],
             noise_seeds: 2,
+            noise: SurveyNoise::Shared,
         }
+    }
+
+    /// The noise seeds of all trials, by map, condition and number.
+    fn noise_seeds(survey: &Survey) -> Vec<Seed> {
+        let trials = survey.maps().flat_map(|map| {
+            (0..2).flat_map(move |one| (0..2).map(move |n| survey.noise_seed(&map, one, n)))
+        });
+        trials.collect()
+    }
+
+    #[test]
+    fn noise_is_shared_by_conditions_or_by_no_trials() {
+        let mut survey = survey();
+        let seeds = |all: &[u64]| all.iter().map(|seed| Seed(*seed)).collect::<Vec<Seed>>();
+        let shared = noise_seeds(&survey);
+        assert_eq!(shared[4..8], seeds(&[1000, 1001, 1000, 1001]));
+        assert_eq!(shared[16..], seeds(&[41_000, 41_001, 41_000, 41_001]));
+        survey.noise = SurveyNoise::Own;
+        let mut own = noise_seeds(&survey);
+        assert_eq!(own[4..8], seeds(&[2000, 2002, 2001, 2003]));
+        own.sort_unstable();
+        own.dedup();
+        assert_eq!(own.len(), 20);
     }
 
     #[test]
@@ -323,7 +371,7 @@ mod tests {
 
     #[test]
     fn the_written_form_is_read_again() {
-        let survey = survey();
+        let survey = Survey { noise: SurveyNoise::Own, ..survey() };
         let text = ron::to_string(&survey).expect("RON");
         // Without extensions newtype variants have a second pair of parentheses.
         assert_eq!(ron::from_str::<Survey>(&text), Ok(survey));

@@ -297,7 +297,7 @@ fn record(
     condition: u32,
     noise: u32,
 ) -> Result<Record, ExperimentError> {
-    let noise_seed = Survey::noise_seed(map, noise);
+    let noise_seed = survey.noise_seed(map, condition, noise);
     let own = &survey.conditions[condition as usize];
     let outcome = site.as_ref().map_err(Failure::clone).and_then(|site| site.run(own, noise_seed));
     let (world_seed, number) = (map.seed, map.number);

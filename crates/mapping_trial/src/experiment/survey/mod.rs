@@ -19,7 +19,9 @@ mod record;
 mod site;
 pub mod summary;
 
-pub use design::{Condition, Family, MAX_SURVEY_TRIALS, Survey, SurveyError, SurveyMap};
+pub use design::{
+    Condition, Family, MAX_SURVEY_TRIALS, Survey, SurveyError, SurveyMap, SurveyNoise,
+};
 pub(crate) use design::{check_conditions, ron_options};
 pub use folder::{SURVEY_VERSION, SurveyFolder, SurveyProgress};
 pub use ranks::{FamilyRanks, Ranks, WorldRanks};
