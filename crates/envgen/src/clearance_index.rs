@@ -230,13 +230,9 @@ impl ClearanceIndex {
     /// # Ok::<(), envgen::GenerateError>(())
     /// ```
     pub fn nearest(&self, p: DVec2) -> Option<Contact> {
-        let mut nearest: Option<Contact> = None;
-        self.contacts(p, self.reach, |contact| {
-            if nearest.is_none_or(|best| contact.distance < best.distance) {
-                nearest = Some(contact);
-            }
-        });
-        nearest
+        let (part, shape) = &self.shapes[self.room(p).nearest? as usize];
+        let point = shape.nearest_point(p);
+        Some(Contact { part: *part, point, distance: p.distance(point) })
     }
 
     /// Distance in metres to the nearest solid part, infinite when none is within

@@ -23,9 +23,6 @@ pub(super) fn drift(max_speed: f64) -> f64 {
     max_speed * REBUILD as f64 * TICK
 }
 
-/// Least side of a cell in metres.
-const CELL: f64 = 4.0;
-
 /// The people around each point and each person. The lists hold everyone who can come within range before they
 /// are rebuilt (L. Verlet, Physical Review 159, 1967,
 /// <https://doi.org/10.1103/PhysRev.159.98>), so that a step costs as much as there are neighbours.
@@ -38,6 +35,8 @@ pub(crate) struct Neighbourhood {
     ids: Vec<u32>,
     /// The positions of `ids`.
     placed: Vec<DVec2>,
+    /// The positions of all people when the lists were built.
+    then: Vec<DVec2>,
     in_range: Lists,
     in_touch: Lists,
 }
@@ -47,21 +46,29 @@ pub(crate) struct Neighbourhood {
 struct Lists {
     starts: Vec<u32>,
     ids: Vec<u32>,
+    /// The numbers of the pairs that a person is in with each of `ids`.
+    numbers: Vec<u32>,
     /// Those who are in each other's lists.
     pairs: Vec<[u32; 2]>,
 }
 
 impl Lists {
     fn new(people: usize) -> Self {
-        Lists { starts: vec![0; people + 1], ids: Vec::new(), pairs: Vec::new() }
+        let starts = vec![0; people + 1];
+        Lists { starts, ids: Vec::new(), numbers: Vec::new(), pairs: Vec::new() }
+    }
+
+    #[inline]
+    fn range(&self, person: usize) -> Range<usize> {
+        match self.starts.get(person..person + 2) {
+            Some(&[from, to]) => from as usize..to as usize,
+            _ => 0..0,
+        }
     }
 
     #[inline]
     fn of(&self, person: usize) -> &[u32] {
-        match self.starts.get(person..person + 2) {
-            Some(&[from, to]) => &self.ids[from as usize..to as usize],
-            _ => &[],
-        }
+        &self.ids[self.range(person)]
     }
 
     /// Lists the people of all pairs.
@@ -72,11 +79,13 @@ impl Lists {
         }
         counts_to_ends(&mut self.starts);
         self.ids.resize(2 * self.pairs.len(), 0);
-        for &[i, j] in self.pairs.iter().rev() {
+        self.numbers.resize(2 * self.pairs.len(), 0);
+        for (number, &[i, j]) in self.pairs.iter().enumerate().rev() {
             for (one, other) in [(i, j), (j, i)] {
                 let start = &mut self.starts[one as usize];
                 *start -= 1;
                 self.ids[*start as usize] = other;
+                self.numbers[*start as usize] = number as u32;
             }
         }
     }
@@ -85,16 +94,18 @@ impl Lists {
 impl Neighbourhood {
     pub(crate) fn new(bounds: Rect, people: usize, max_speed: f64) -> Self {
         let size = bounds.size();
-        let side = (size.x * size.y / people.max(1) as f64).sqrt().max(CELL);
+        let drift = drift(max_speed);
+        let side = (size.x * size.y / people.max(1) as f64).sqrt().max(RANGE + 2.0 * drift);
         let side = side.max(size.max_element() / people.max(16) as f64);
         let count = (size / side).ceil().max(DVec2::ONE);
         let (cols, rows) = (count.x as usize, count.y as usize);
         Neighbourhood {
             frame: GridFrame { origin: bounds.min, cell_size: side, cols, rows },
-            drift: drift(max_speed),
+            drift,
             starts: vec![0; cols * rows + 1],
             ids: vec![0; people],
             placed: Vec::new(),
+            then: Vec::new(),
             in_range: Lists::new(people),
             in_touch: Lists::new(people),
         }
@@ -104,6 +115,24 @@ impl Neighbourhood {
     #[inline]
     pub(super) fn of(&self, person: usize) -> &[u32] {
         self.in_range.of(person)
+    }
+
+    /// The same with the numbers of the pairs.
+    #[inline]
+    pub(super) fn pairs_of(&self, person: usize) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let range = self.in_range.range(person);
+        let (ids, numbers) = (&self.in_range.ids[range.clone()], &self.in_range.numbers[range]);
+        ids.iter().copied().zip(numbers.iter().copied())
+    }
+
+    /// Number of the pairs.
+    pub(super) fn pairs(&self) -> usize {
+        self.in_range.pairs.len()
+    }
+
+    /// The positions of a pair when the lists were built.
+    pub(super) fn pair_then(&self, number: u32) -> [DVec2; 2] {
+        self.in_range.pairs[number as usize].map(|i| self.then[i as usize])
     }
 
     /// Those whom a person can touch before the next rebuild.
@@ -128,38 +157,57 @@ impl Neighbourhood {
             self.starts[cell] -= 1;
             self.ids[self.starts[cell] as usize] = i as u32;
         }
-        self.find_pairs(people);
+        self.then.clear();
+        self.then.extend(people.iter().map(|person| person.position));
+        self.find_pairs();
         self.in_range.fill();
         self.in_touch.fill();
     }
 
-    /// Those who can come within range of each other, of the people in the cells.
-    fn find_pairs(&mut self, people: &[PersonState]) {
-        let [range, touch] = [RANGE, TOUCH].map(|reach| reach + 2.0 * self.drift);
-        let mut placed = std::mem::take(&mut self.placed);
-        let [mut pairs, mut touching] =
-            [&mut self.in_range, &mut self.in_touch].map(|lists| std::mem::take(&mut lists.pairs));
+    /// Those who can come within range of each other. They are in the same cell or in two that touch.
+    fn find_pairs(&mut self) {
+        let [range2, touch2] = [RANGE, TOUCH].map(|reach| {
+            let reach = reach + 2.0 * self.drift;
+            reach * reach
+        });
+        let Neighbourhood { frame, starts, ids, placed, then, in_range, in_touch, .. } = self;
         placed.clear();
-        placed.extend(self.ids.iter().map(|&i| people[i as usize].position));
+        placed.extend(ids.iter().map(|&i| then[i as usize]));
+        let (pairs, touching) = (&mut in_range.pairs, &mut in_touch.pairs);
         pairs.clear();
         touching.clear();
-        for (k, (&i, &p)) in self.ids.iter().zip(&placed).enumerate() {
-            for run in self.runs(p, range) {
+        let start = |cell: usize| starts[cell] as usize;
+        for row in 0..frame.rows {
+            for col in 0..frame.cols {
+                let cell = frame.index(col, row);
+                let own = start(cell)..start(cell + 1);
+                if own.is_empty() {
+                    continue;
+                }
                 // Each pair once: with those behind in the order of the cells.
-                let run = run.start.max(k + 1).min(run.end)..run.end;
-                let others = self.ids[run.clone()].iter().zip(&placed[run]);
-                for (&j, q) in others {
-                    let distance2 = p.distance_squared(*q);
-                    if distance2 <= range * range {
-                        pairs.push([i, j]);
-                        if distance2 <= touch * touch {
-                            touching.push([i, j]);
+                let (left, right) = (col.saturating_sub(1), (col + 1).min(frame.cols - 1));
+                let beside = start(frame.index(right, row) + 1);
+                let above = match row + 1 < frame.rows {
+                    true => {
+                        start(frame.index(left, row + 1))..start(frame.index(right, row + 1) + 1)
+                    }
+                    false => 0..0,
+                };
+                for k in own {
+                    for run in [k + 1..beside, above.clone()] {
+                        for (&j, q) in ids[run.clone()].iter().zip(&placed[run]) {
+                            let distance2 = placed[k].distance_squared(*q);
+                            if distance2 <= range2 {
+                                pairs.push([ids[k], j]);
+                                if distance2 <= touch2 {
+                                    touching.push([ids[k], j]);
+                                }
+                            }
                         }
                     }
                 }
             }
         }
-        (self.placed, self.in_range.pairs, self.in_touch.pairs) = (placed, pairs, touching);
     }
 
     /// Whether a test holds for one of those who may be within `reach` metres of a point.

@@ -143,10 +143,11 @@ impl ScenarioState {
 
     fn start(scene: Arc<Scene>) -> Self {
         let doors = scene.doors.iter();
-        let doors = doors.map(|door| DoorState::new(door, &scene.clock(door, 0))).collect();
+        let doors: Vec<DoorState> =
+            doors.map(|door| DoorState::new(door, &scene.clock(door, 0))).collect();
         let near = Neighbourhood::new(scene.bounds, scene.people.len(), scene.max_speed);
         let places = scene.walk.as_ref().map_or(0, |walk| walk.routes.places.len());
-        let crowd = Crowd::new(&scene.people, places, (&scene.settings, scene.seed), near);
+        let crowd = Crowd::new(&scene.people, places, (&scene.settings, scene.seed), near, &doors);
         let smoke = scene.smoke.start();
         ScenarioState { scene, tick: 0, since_tick: 0.0, doors, commands: Vec::new(), crowd, smoke }
     }

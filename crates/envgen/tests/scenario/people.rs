@@ -71,6 +71,16 @@ fn nobody_stays_where_a_path_away_is_free() {
 }
 
 #[test]
+fn an_arch_of_people_breaks() {
+    // Four in front of a doorway that two abreast do not fit through, each held up by the next and by an obstacle: they
+    // stayed for an hour.
+    let (world, scenario) = busy_map(Seed(274), MOST_PEOPLE).unwrap();
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    let watch = run(&mut state, 300, &[]);
+    assert!(watch.longest < 120.0, "someone stayed for {} s", watch.longest);
+}
+
+#[test]
 fn nobody_steps_aside_to_where_no_path_leads_away() {
     // Someone once squeezed into a room whose doorway is too narrow for paths, and stayed there.
     let (world, scenario) = busy_map(Seed(1605), 120.0).unwrap();

@@ -50,6 +50,15 @@ pub(crate) struct DoorShape {
     pub(crate) width: f64,
 }
 
+/// Cosine and sine of the angle of a leaf at an openness.
+fn turn(openness: f64) -> DVec2 {
+    match openness {
+        0.0 => DVec2::X,
+        1.0 => DVec2::Y,
+        _ => unit_vector(openness * FRAC_PI_2),
+    }
+}
+
 impl DoorShape {
     /// The shape of a door in its doorway, whose longer axis is its width.
     pub(crate) fn new(door: &Door, doorway: &Doorway) -> Self {
@@ -78,15 +87,8 @@ impl DoorShape {
     /// The leaves at an openness from 0 to 1; none where nothing is left of a sliding one.
     pub(crate) fn leaves(&self, openness: f64) -> impl Iterator<Item = Leaf> + use<> {
         let turned = |along: DVec2| {
-            let (sin, cos) = match openness {
-                0.0 => (0.0, 1.0),
-                1.0 => (1.0, 0.0),
-                _ => {
-                    let turn = unit_vector(openness * FRAC_PI_2);
-                    (turn.y, turn.x)
-                }
-            };
-            along * cos + self.side * sin
+            let turn = turn(openness);
+            along * turn.x + self.side * turn.y
         };
         let [a, b] = self.ends;
         let leaf = |hinge: DVec2, tip| Some(Leaf { hinge, tip });
@@ -129,7 +131,7 @@ impl DoorShape {
     fn sector_distance(&self, p: DVec2, along: DVec2, radius: f64, low: f64, high: f64) -> f64 {
         // In axes where the closed leaf points along +x and opens towards +y.
         let local = DVec2::new(p.dot(along), p.dot(self.side));
-        let (first, last) = (unit_vector(low * FRAC_PI_2), unit_vector(high * FRAC_PI_2));
+        let (first, last) = (turn(low), turn(high));
         let is_between = first.perp_dot(local) >= 0.0 && local.perp_dot(last) >= 0.0;
         if is_between {
             return (local.length() - radius).max(0.0);

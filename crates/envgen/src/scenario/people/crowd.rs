@@ -4,8 +4,10 @@ use glam::DVec2;
 
 use super::door_passage::passes_door;
 use super::orca::{Disc, HalfPlane, WALL_HORIZON, avoid, keep_off, solve};
+use super::sights::Sights;
 use super::surroundings::{Surroundings, nearest_robot};
 use crate::scenario::ScenarioSpec;
+use crate::scenario::doors::DoorState;
 use crate::scenario::neighbourhood::{Neighbourhood, RANGE, REBUILD};
 use crate::scenario::person::{MAX_CURIOUS, PERSON_RADIUS, Person, PersonState, Reaction, Task};
 use crate::scenario::tick::{TICK, TICKS_PER_SECOND};
@@ -44,6 +46,7 @@ pub(crate) struct Crowd {
     pub(super) quiet_until: Vec<u64>,
     /// Whether a person can come near a door before the lists of neighbours are rebuilt.
     comes_near_doors: Vec<bool>,
+    pub(super) sights: Sights,
     wishes: Vec<Wish>,
     planes: Vec<HalfPlane>,
     /// Those who are looked at in a tick.
@@ -75,6 +78,7 @@ impl Crowd {
         places: usize,
         (spec, seed): (&ScenarioSpec, Seed),
         near: Neighbourhood,
+        doors: &[DoorState],
     ) -> Self {
         let state = |(i, person)| {
             let mut stream = seed.stream("scenario/people/first", i);
@@ -92,17 +96,18 @@ impl Crowd {
             taken,
             quiet_until,
             comes_near_doors,
+            sights: Sights::default(),
             wishes,
             planes,
             awake: Vec::new(),
         };
-        crowd.near.rebuild(&crowd.people);
+        crowd.find_neighbours(doors);
         crowd
     }
 
     pub(crate) fn step(&mut self, around: &Surroundings<'_>) {
         if around.tick.is_multiple_of(REBUILD) {
-            self.near.rebuild(&self.people);
+            self.find_neighbours(around.doors);
             for (near, person) in self.comes_near_doors.iter_mut().zip(&self.people) {
                 *near = !around.at(around.near_doors, person.position).is_empty();
             }
@@ -153,10 +158,26 @@ impl Crowd {
         self.awake = awake;
     }
 
-    /// Whether a person still wishes what was decided before: not at a corner of the path, nor who left it.
+    /// Rebuilds the lists of neighbours.
+    fn find_neighbours(&mut self, doors: &[DoorState]) {
+        self.near.rebuild(&self.people);
+        self.sights.forget(self.near.pairs(), doors);
+    }
+
+    /// Whether a person still wishes what was decided before: not at a corner of the path.
     fn keeps_wish(&self, i: usize) -> bool {
         let (person, wish) = (&self.people[i], &self.wishes[i]);
-        person.task == Task::Walk && (person.steps_left > 0 || !wish.is_free)
+        if person.task != Task::Walk {
+            return false;
+        }
+        if person.steps_left > 0 || !wish.is_free {
+            return true;
+        }
+        // Who left the path does not walk past its next corner.
+        let walked = wish.velocity * (TICK * DECIDE as f64);
+        let is_far =
+            |corner: &DVec2| corner.distance_squared(person.position) > walked.length_squared();
+        !person.on_path && walked != DVec2::ZERO && person.path.last().is_some_and(is_far)
     }
 
     /// Lets a person decide again in this tick.
@@ -209,6 +230,9 @@ impl Crowd {
             });
         } else {
             self.people[i].aside = None;
+            if let Some(shuffle) = self.shuffle(i, around) {
+                (preferred, is_clear) = (shuffle, false);
+            }
         }
         self.avoiding(i, (preferred, max_speed, is_clear), around)
     }
@@ -220,31 +244,38 @@ impl Crowd {
         (preferred, max_speed, is_clear): (DVec2, f64, bool),
         around: &Surroundings<'_>,
     ) -> Wish {
-        let person = &self.people[i];
+        let zone = self.zone(i, self.people[i].position, around);
+        let Crowd { people, near, sights, planes, .. } = self;
+        let person = &people[i];
         let p = person.position;
-        let (mut nearest, mut count) = ([(f64::INFINITY, 0_u32); MAX_NEIGHBOURS], 0);
-        for &j in self.near.of(i) {
-            let distance2 = self.people[j as usize].position.distance_squared(p);
+        let (mut nearest, mut count) = ([(0.0, 0_u32, 0_u32); MAX_NEIGHBOURS], 0);
+        for (j, pair) in near.pairs_of(i) {
+            let distance2 = people[j as usize].position.distance_squared(p);
             if distance2 > RANGE * RANGE {
                 continue;
             }
-            let entry = (distance2, j);
-            let at = nearest[..count].partition_point(|other| *other < entry);
-            if at < MAX_NEIGHBOURS {
-                count = (count + 1).min(MAX_NEIGHBOURS);
-                nearest[at..count].rotate_right(1);
-                nearest[at] = entry;
+            let is_before = |other: &(f64, u32, u32)| (distance2, j) < (other.0, other.1);
+            if count == MAX_NEIGHBOURS {
+                if !is_before(&nearest[count - 1]) {
+                    continue;
+                }
+                count -= 1;
             }
+            let mut at = count;
+            while at > 0 && is_before(&nearest[at - 1]) {
+                nearest[at] = nearest[at - 1];
+                at -= 1;
+            }
+            nearest[at] = (distance2, j, pair);
+            count += 1;
         }
         let me = Disc { position: p, velocity: person.velocity, radius: PERSON_RADIUS, share: 1.0 };
         let apart = 2.0 * (PERSON_RADIUS + around.max_speed * TICK * DECIDE as f64);
         let is_apart = around.robots.is_empty() && (count == 0 || nearest[0].0 > apart * apart);
         let free = Wish { velocity: preferred, is_clear, is_apart, ..Wish::STAND };
-        let zone = self.zone(i, p, around);
-        let planes = &mut self.planes;
         planes.clear();
         let disc = |j: u32| {
-            let other = &self.people[j as usize];
+            let other = &people[j as usize];
             let share = if other.task == Task::Walk { 1.0 } else { 0.0 };
             Disc {
                 position: other.position,
@@ -253,11 +284,10 @@ impl Crowd {
                 share,
             }
         };
-        for &(_, j) in &nearest[..count] {
+        for &(_, j, pair) in &nearest[..count] {
             let plane = avoid(&me, &disc(j), TICK);
             // Those behind a wall or a leaf are not avoided, which matters only where they would be.
-            let to = self.people[j as usize].position - p;
-            if plane.excess(preferred) <= 0.0 || around.sees(p, to) {
+            if plane.excess(preferred) <= 0.0 || sights.see_each_other(pair, near, around) {
                 planes.push(plane);
             }
         }
@@ -392,7 +422,10 @@ impl Crowd {
         let is_far = person.path[next].distance_squared(p) > NEAR_CORNER * NEAR_CORNER;
         let seen = match is_far && sees(next) {
             true => Some(next),
-            false => (corners.saturating_sub(3)..corners).find(|&k| sees(k)),
+            false => {
+                let end = if is_far { next } else { corners };
+                (corners.saturating_sub(3)..end).find(|&k| sees(k))
+            }
         };
         match seen {
             Some(k) => {

@@ -165,8 +165,10 @@ impl FreeSpace {
 
     /// As [`FreeSpace::is_clear`] for a person who was pushed to `a`, perhaps with less care.
     pub(super) fn is_clear_from(&self, a: DVec2, b: DVec2) -> bool {
-        let clearance = self.clearance(a) - ROUNDING;
-        self.is_clear_for(clearance.clamp(PERSON_RADIUS - TOUCH, PERSON_RADIUS + CARE), a, b)
+        const MOST: f64 = PERSON_RADIUS + CARE;
+        let least = self.clearance_by_cell(a);
+        let clearance = if least > MOST + ROUNDING { least } else { self.clearance(a) };
+        self.is_clear_for((clearance - ROUNDING).clamp(PERSON_RADIUS - TOUCH, MOST), a, b)
     }
 
     /// As [`FreeSpace::is_clear`] without any care, and whether or not an open leaf is in front: it may close.

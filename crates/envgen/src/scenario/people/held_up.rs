@@ -1,5 +1,7 @@
 //! People whom others hold up, and who hold up doors.
 
+use std::f64::consts::TAU;
+
 use glam::DVec2;
 
 use super::crowd::{Crowd, DECIDE};
@@ -7,9 +9,9 @@ use super::door_passage::OFF_SWINGS;
 use super::free_path::{Blockers, free_path};
 use super::places::ROOMY;
 use super::surroundings::Surroundings;
-use crate::geometry::segments_cross;
-use crate::scenario::PERSON_RADIUS;
+use crate::geometry::{segments_cross, unit_vector};
 use crate::scenario::person::{PersonState, Task};
+use crate::scenario::{PERSON_RADIUS, TICKS_PER_SECOND};
 
 /// Someone who gave up a goal this often without coming farther than this many metres looks for a path between
 /// the others.
@@ -20,8 +22,13 @@ const HELD_UP_WITHIN: f64 = 0.5;
 const ASIDE: f64 = 2.0;
 const STEP_BACK: f64 = 1.0;
 
+/// Someone who gave up a goal this often here shuffles every second second, at this speed in m/s: discs that hold each
+/// other up between walls are like an arch, which small random steps break.
+const JAMMED: u32 = 10;
+const SHUFFLE: f64 = 0.3;
+
 /// People notice those who are held up within this distance in metres, once in so many ticks.
-const JAM: f64 = 1.5;
+pub(super) const JAM: f64 = 1.5;
 const NOTICE: u64 = 10;
 
 /// Blockers whose middle is farther away than this are left out, in metres.
@@ -51,6 +58,18 @@ impl Crowd {
         self.near.of(i).iter().map(|&j| &self.people[j as usize]).any(|other| {
             let to = other.position - p;
             other.is_held_up() && to.length_squared() < JAM * JAM && to.dot(velocity) > 0.0
+        })
+    }
+
+    /// The velocity of a person who shuffles, as those do whom others hold up for long.
+    pub(super) fn shuffle(&self, i: usize, around: &Surroundings<'_>) -> Option<DVec2> {
+        let person = &self.people[i];
+        let (second, number) = (around.tick / TICKS_PER_SECOND, i as u64);
+        let is_time = (second + number).is_multiple_of(2);
+        let is_jammed = person.is_walking() && person.held_up.1 >= JAMMED && person.is_held_up();
+        (is_time && is_jammed).then(|| {
+            let mut stream = around.seed.attempt("scenario/people/shuffle", number, second);
+            SHUFFLE * unit_vector(TAU * stream.unit())
         })
     }
 

@@ -13,6 +13,7 @@ mod orca;
 mod places;
 mod quiet;
 mod routes;
+mod sights;
 mod surroundings;
 
 pub(super) use crowd::Crowd;

@@ -3,9 +3,10 @@
 use glam::DVec2;
 
 use super::crowd::{Crowd, ROUNDING};
+use super::held_up::JAM;
 use super::orca::DISC_HORIZON;
 use super::surroundings::Surroundings;
-use crate::scenario::neighbourhood::REBUILD;
+use crate::scenario::neighbourhood::{REBUILD, drift};
 use crate::scenario::person::{PERSON_RADIUS, Task};
 use crate::scenario::tick::TICK;
 
@@ -55,29 +56,37 @@ impl Crowd {
         ticks > 0
     }
 
-    fn ticks_straight_on(&self, i: usize, around: &Surroundings<'_>) -> u64 {
+    fn ticks_straight_on(&mut self, i: usize, around: &Surroundings<'_>) -> u64 {
         let person = &self.people[i];
-        let at = |ticks: u64| person.position + person.velocity * (ticks as f64 * TICK);
-        let is_off_doors = |ticks: &u64| self.zone(i, at(*ticks), around).is_empty();
-        if person.steps_left == 0 || !around.robots.is_empty() || !is_off_doors(&0) {
+        if person.steps_left == 0
+            || !around.robots.is_empty()
+            || !self.zone(i, person.position, around).is_empty()
+        {
             return 0;
         }
         // Until those who are near are others.
         let mut most = (REBUILD - around.tick % REBUILD).min(person.steps_left.into());
         let close = 2.0 * (PERSON_RADIUS + around.max_speed * TICK);
-        for &j in self.near.of(i) {
+        let jam = JAM + 2.0 * drift(around.max_speed);
+        for (j, pair) in self.near.pairs_of(i) {
             let other = &self.people[j as usize];
-            if other.was_held_up() {
+            let (to, closing) =
+                (other.position - person.position, person.velocity - other.velocity);
+            if other.was_held_up() && to.length_squared() < jam * jam {
                 return 0;
             }
-            let to = other.position - person.position;
-            let ticks = seconds_free(to, person.velocity - other.velocity, close) / TICK;
+            let mut ticks = seconds_free(to, closing, close) / TICK;
+            if ticks < most as f64 && !self.sights.see_each_other(pair, &self.near, around) {
+                ticks = seconds_apart(to, closing, close) / TICK;
+            }
             // Rounded down.
             most = if ticks < most as f64 { ticks as u64 } else { most };
             if most == 0 {
                 return 0;
             }
         }
+        let at = |ticks: u64| person.position + person.velocity * (ticks as f64 * TICK);
+        let is_off_doors = |ticks: &u64| self.zone(i, at(*ticks), around).is_empty();
         // Zones are wider than they need to be by more than a few steps: it is enough to look at the ends.
         if is_off_doors(&most) {
             most
@@ -90,7 +99,14 @@ impl Crowd {
 /// For how many seconds a person need not avoid another at `to` from it, while their distance changes by `closing`
 /// in m/s, and stays farther than `close` metres; 0 or less where it has to now.
 fn seconds_free(to: DVec2, closing: DVec2, close: f64) -> f64 {
-    if to.length_squared() <= close * close {
+    let meeting = seconds_apart(to, closing, 2.0 * PERSON_RADIUS + ROUNDING);
+    seconds_apart(to, closing, close).min(meeting - DISC_HORIZON)
+}
+
+/// For how many seconds a person stays farther than a distance in metres from another.
+fn seconds_apart(to: DVec2, closing: DVec2, distance: f64) -> f64 {
+    let distance2 = distance * distance;
+    if to.length_squared() <= distance2 {
         return 0.0;
     }
     let approach = to.dot(closing);
@@ -98,12 +114,8 @@ fn seconds_free(to: DVec2, closing: DVec2, close: f64) -> f64 {
         return f64::INFINITY;
     }
     let (speed2, across) = (closing.length_squared(), to.perp_dot(closing));
-    // When they are at a distance first.
-    let until = |distance: f64| {
-        let half2 = distance * distance * speed2 - across * across;
-        if half2 < 0.0 { f64::INFINITY } else { (approach - half2.sqrt()) / speed2 }
-    };
-    until(close).min(until(2.0 * PERSON_RADIUS + ROUNDING) - DISC_HORIZON)
+    let half2 = distance2 * speed2 - across * across;
+    if half2 < 0.0 { f64::INFINITY } else { (approach - half2.sqrt()) / speed2 }
 }
 
 #[cfg(test)]

@@ -87,7 +87,7 @@ impl Routes {
             if space.is_clear_from(from, goal) {
                 return Some(vec![goal]);
             }
-            let corner = tree.farthest_seen(space, from, tree.index(space, first)?)?;
+            let corner = tree.farthest_seen(space, from, vec![tree.index(space, first)?])?;
             path.push(tree.center(space, corner));
             corner
         };
@@ -96,7 +96,8 @@ impl Routes {
             corner = match known.get(&corner) {
                 Some(&seen) => seen,
                 None => {
-                    let seen = tree.farthest_seen(space, tree.center(space, corner), next)?;
+                    let cells = tree.straight_on(corner, next);
+                    let seen = tree.farthest_seen(space, tree.center(space, corner), cells)?;
                     known.insert(corner, seen);
                     seen
                 }
@@ -246,14 +247,32 @@ impl Tree {
         }
     }
 
-    /// The farthest cell of the window on the path that is found in sight of a point, by doubling and then by halving. The
-    /// cell `first`, with which the path continues, can be reached.
-    fn farthest_seen(&self, space: &FreeSpace, from: DVec2, first: usize) -> Option<usize> {
-        let is_seen = |i: usize| space.is_clear(from, self.center(space, i));
+    /// The cells of the window on the path behind a cell that lie straight on from it, and so in its sight, with
+    /// `next` as the first.
+    fn straight_on(&self, cell: usize, next: usize) -> Vec<usize> {
         let mut cells = Vec::with_capacity(64);
-        cells.push(first);
+        cells.push(next);
+        let (direction, mut last) = (self.steps[cell], next);
+        while self.steps[last] == direction
+            && let Some(Some(next)) = self.next(last)
+        {
+            cells.push(next);
+            last = next;
+        }
+        cells
+    }
+
+    /// The farthest cell of the window on the path that is found in sight of a point, by doubling and then by halving. The
+    /// path continues with `cells`, one or more, which can be reached.
+    fn farthest_seen(
+        &self,
+        space: &FreeSpace,
+        from: DVec2,
+        mut cells: Vec<usize>,
+    ) -> Option<usize> {
+        let is_seen = |i: usize| space.is_clear(from, self.center(space, i));
         // Numbers of cells, of which the last is seen or hidden.
-        let (mut seen, mut step) = (1, 2);
+        let (mut seen, mut step) = (cells.len(), 2 * cells.len());
         while self.extend(&mut cells, step)? && is_seen(cells[step - 1]) {
             seen = step;
             step *= 2;

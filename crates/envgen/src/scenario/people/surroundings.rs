@@ -47,19 +47,30 @@ impl Surroundings<'_> {
 
     /// Whether no solid and no leaf is between a point and another one at `to` from it.
     pub(super) fn sees(&self, from: DVec2, to: DVec2) -> bool {
+        self.sees_past(self.doors, from, to)
+    }
+
+    /// The same with other states of the doors.
+    pub(super) fn sees_past(&self, doors: &[DoorState], from: DVec2, to: DVec2) -> bool {
         let distance = to.length();
         let direction = to / distance;
         distance == 0.0
             || (self.rays.cast_along(from, direction, distance).is_none()
-                && !self.is_leaf_between(from, direction, distance))
+                && !self.is_leaf_between(doors, from, direction, distance))
     }
 
-    fn is_leaf_between(&self, from: DVec2, direction: DVec2, distance: f64) -> bool {
+    fn is_leaf_between(
+        &self,
+        states: &[DoorState],
+        from: DVec2,
+        direction: DVec2,
+        distance: f64,
+    ) -> bool {
         if self.shapes.is_empty() {
             return false;
         }
         let hides = |&door: &u32| {
-            let (shape, state) = (&self.shapes[door as usize], &self.doors[door as usize]);
+            let (shape, state) = (&self.shapes[door as usize], &states[door as usize]);
             let mut leaves = state.leaves(shape);
             leaves.any(|leaf| leaf.distance_along(from, direction).is_some_and(|at| at < distance))
         };
