@@ -36,7 +36,7 @@ pub(crate) struct Neighbourhood {
     /// The positions of `ids`.
     placed: Vec<DVec2>,
     /// The positions of all people when the lists were built.
-    then: Vec<DVec2>,
+    positions: Vec<DVec2>,
     in_range: Lists,
     in_touch: Lists,
 }
@@ -105,7 +105,7 @@ impl Neighbourhood {
             starts: vec![0; cols * rows + 1],
             ids: vec![0; people],
             placed: Vec::new(),
-            then: Vec::new(),
+            positions: Vec::new(),
             in_range: Lists::new(people),
             in_touch: Lists::new(people),
         }
@@ -131,8 +131,8 @@ impl Neighbourhood {
     }
 
     /// The positions of a pair when the lists were built.
-    pub(super) fn pair_then(&self, number: u32) -> [DVec2; 2] {
-        self.in_range.pairs[number as usize].map(|i| self.then[i as usize])
+    pub(super) fn pair_positions(&self, number: u32) -> [DVec2; 2] {
+        self.in_range.pairs[number as usize].map(|i| self.positions[i as usize])
     }
 
     /// Those whom a person can touch before the next rebuild.
@@ -157,8 +157,8 @@ impl Neighbourhood {
             self.starts[cell] -= 1;
             self.ids[self.starts[cell] as usize] = i as u32;
         }
-        self.then.clear();
-        self.then.extend(people.iter().map(|person| person.position));
+        self.positions.clear();
+        self.positions.extend(people.iter().map(|person| person.position));
         self.find_pairs();
         self.in_range.fill();
         self.in_touch.fill();
@@ -170,9 +170,9 @@ impl Neighbourhood {
             let reach = reach + 2.0 * self.drift;
             reach * reach
         });
-        let Neighbourhood { frame, starts, ids, placed, then, in_range, in_touch, .. } = self;
+        let Neighbourhood { frame, starts, ids, placed, positions, in_range, in_touch, .. } = self;
         placed.clear();
-        placed.extend(ids.iter().map(|&i| then[i as usize]));
+        placed.extend(ids.iter().map(|&i| positions[i as usize]));
         let (pairs, touching) = (&mut in_range.pairs, &mut in_touch.pairs);
         pairs.clear();
         touching.clear();

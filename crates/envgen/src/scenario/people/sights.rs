@@ -30,7 +30,7 @@ impl Sights {
         around: &Surroundings<'_>,
     ) -> bool {
         *self.pairs[pair as usize].get_or_insert_with(|| {
-            let [a, b] = near.pair_then(pair);
+            let [a, b] = near.pair_positions(pair);
             around.sees_past(&self.doors, a, b - a)
         })
     }
