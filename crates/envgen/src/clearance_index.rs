@@ -375,6 +375,24 @@ mod tests {
         }
 
         #[test]
+        fn the_nearest_part_is_the_nearest_contact(
+            shapes in proptest::collection::vec(any_shape(), 0..30),
+            x in -25.0..25.0, y in -25.0..25.0,
+        ) {
+            let (index, p) = (ClearanceIndex::new(&world(shapes), 6.0).unwrap(), DVec2::new(x, y));
+            let mut contacts = Vec::new();
+            index.contacts(p, 6.0, |contact| contacts.push(contact));
+            let least = contacts.iter().map(|one| one.distance).fold(f64::INFINITY, f64::min);
+            match index.nearest(p) {
+                Some(found) => {
+                    prop_assert!((found.distance - least).abs() < 1e-9, "{found:?} {least}");
+                    prop_assert!(contacts.contains(&found));
+                }
+                None => prop_assert!(least > 6.0 - 1e-9, "{least}"),
+            }
+        }
+
+        #[test]
         fn a_line_is_clear_where_all_its_points_are(
             shapes in prop::collection::vec(any_shape(), 0..12),
             ax in -30.0..30.0, ay in -30.0..30.0, bx in -30.0..30.0, by in -30.0..30.0,

@@ -95,6 +95,7 @@ impl Neighbourhood {
     pub(crate) fn new(bounds: Rect, people: usize, max_speed: f64) -> Self {
         let size = bounds.size();
         let drift = drift(max_speed);
+        // So that those who can come within range of each other are in cells that touch.
         let side = (size.x * size.y / people.max(1) as f64).sqrt().max(RANGE + 2.0 * drift);
         let side = side.max(size.max_element() / people.max(16) as f64);
         let count = (size / side).ceil().max(DVec2::ONE);
@@ -126,7 +127,7 @@ impl Neighbourhood {
     }
 
     /// Number of the pairs.
-    pub(super) fn pairs(&self) -> usize {
+    pub(super) fn pair_count(&self) -> usize {
         self.in_range.pairs.len()
     }
 
@@ -251,20 +252,24 @@ mod tests {
     use crate::scenario::person::{Person, Reaction};
 
     proptest! {
+        // Also with people outside of the bounds, and with a single row or column of cells.
         #[test]
         fn lists_hold_whom_a_person_can_meet(
-            positions in prop::collection::vec([0.0..40.0, 0.0..20.0], 0..80),
+            positions in prop::collection::vec([-9.0..49.0, -9.0..29.0], 0..80),
+            origin in [-50.0..50.0, -50.0..50.0],
+            size in [1.0..40.0, 1.0..20.0],
             max_speed in 0.6..3.0,
         ) {
+            let origin = DVec2::from(origin);
             let person = |&p: &[f64; 2]| Person {
-                position: DVec2::from(p),
+                position: origin + DVec2::from(p),
                 heading: 0.0,
                 speed: 1.0,
                 reaction: Reaction::Regular,
             };
             let people: Vec<PersonState> =
                 positions.iter().map(|p| PersonState::new(&person(p), 0)).collect();
-            let bounds = Rect::new(DVec2::ZERO, DVec2::new(40.0, 20.0));
+            let bounds = Rect::new(origin, origin + DVec2::from(size));
             let mut near = Neighbourhood::new(bounds, people.len(), max_speed);
             near.rebuild(&people);
             for (i, one) in people.iter().enumerate() {
@@ -282,6 +287,13 @@ mod tests {
                 };
                 prop_assert_eq!(sorted(near.of(i)), within(RANGE));
                 prop_assert_eq!(sorted(near.touchable(i)), within(TOUCH));
+                let ids: Vec<u32> = near.pairs_of(i).map(|(j, _)| j).collect();
+                prop_assert_eq!(ids, near.of(i));
+                for (j, pair) in near.pairs_of(i) {
+                    let both = [one.position, people[j as usize].position];
+                    let [a, b] = near.pair_positions(pair);
+                    prop_assert!(both == [a, b] || both == [b, a]);
+                }
             }
         }
     }

@@ -221,22 +221,8 @@ impl ScenarioState {
         for ((door, shape), state) in scene.doors.iter().zip(&scene.shapes).zip(&mut self.doors) {
             state.step(door, shape, &scene.clock(door, self.tick), &bodies);
         }
-        if let Some(Walk { space, routes, door_zones, near_doors }) = &scene.walk {
-            self.crowd.step(&Surroundings {
-                space,
-                routes,
-                rays: &scene.rays,
-                shapes: &scene.shapes,
-                door_zones,
-                near_doors,
-                people: &scene.people,
-                spec: &scene.settings,
-                seed: scene.seed,
-                doors: &self.doors,
-                robots,
-                tick: self.tick,
-                max_speed: scene.max_speed,
-            });
+        if let Some(around) = scene.surroundings(&self.doors, robots, self.tick) {
+            self.crowd.step(&around);
         }
         if !scene.smoke.is_empty() && self.tick.is_multiple_of(SPREAD) {
             let doors = &self.doors;
@@ -357,5 +343,30 @@ impl ScenarioState {
 impl Scene {
     fn clock(&self, door: &Door, tick: u64) -> DoorClock {
         DoorClock { seed: self.seed, doorway: u64::from(door.doorway), tick }
+    }
+
+    /// What people walk among; `None` without people.
+    pub(super) fn surroundings<'a>(
+        &'a self,
+        doors: &'a [DoorState],
+        robots: &'a [Robot],
+        tick: u64,
+    ) -> Option<Surroundings<'a>> {
+        let Walk { space, routes, door_zones, near_doors } = self.walk.as_ref()?;
+        Some(Surroundings {
+            space,
+            routes,
+            rays: &self.rays,
+            shapes: &self.shapes,
+            door_zones,
+            near_doors,
+            people: &self.people,
+            spec: &self.settings,
+            seed: self.seed,
+            doors,
+            robots,
+            tick,
+            max_speed: self.max_speed,
+        })
     }
 }

@@ -51,7 +51,7 @@ pub(crate) struct DoorShape {
 }
 
 /// Cosine and sine of the angle of a leaf at an openness.
-fn turn(openness: f64) -> DVec2 {
+fn leaf_direction(openness: f64) -> DVec2 {
     match openness {
         0.0 => DVec2::X,
         1.0 => DVec2::Y,
@@ -87,7 +87,7 @@ impl DoorShape {
     /// The leaves at an openness from 0 to 1; none where nothing is left of a sliding one.
     pub(crate) fn leaves(&self, openness: f64) -> impl Iterator<Item = Leaf> + use<> {
         let turned = |along: DVec2| {
-            let turn = turn(openness);
+            let turn = leaf_direction(openness);
             along * turn.x + self.side * turn.y
         };
         let [a, b] = self.ends;
@@ -131,7 +131,7 @@ impl DoorShape {
     fn sector_distance(&self, p: DVec2, along: DVec2, radius: f64, low: f64, high: f64) -> f64 {
         // In axes where the closed leaf points along +x and opens towards +y.
         let local = DVec2::new(p.dot(along), p.dot(self.side));
-        let (first, last) = (turn(low), turn(high));
+        let (first, last) = (leaf_direction(low), leaf_direction(high));
         let is_between = first.perp_dot(local) >= 0.0 && local.perp_dot(last) >= 0.0;
         if is_between {
             return (local.length() - radius).max(0.0);

@@ -161,7 +161,7 @@ impl Crowd {
     /// Rebuilds the lists of neighbours.
     fn find_neighbours(&mut self, doors: &[DoorState]) {
         self.near.rebuild(&self.people);
-        self.sights.forget(self.near.pairs(), doors);
+        self.sights.restart(self.near.pair_count(), doors);
     }
 
     /// Whether a person still wishes what was decided before: not at a corner of the path.
@@ -173,7 +173,7 @@ impl Crowd {
         if person.steps_left > 0 || !wish.is_free {
             return true;
         }
-        // Who left the path does not walk past its next corner.
+        // Who left the path decides again where its next corner is near.
         let walked = wish.velocity * (TICK * DECIDE as f64);
         let is_far =
             |corner: &DVec2| corner.distance_squared(person.position) > walked.length_squared();

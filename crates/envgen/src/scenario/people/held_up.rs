@@ -22,8 +22,8 @@ const HELD_UP_WITHIN: f64 = 0.5;
 const ASIDE: f64 = 2.0;
 const STEP_BACK: f64 = 1.0;
 
-/// Someone who gave up a goal this often here shuffles every second second, at this speed in m/s: discs that hold each
-/// other up between walls are like an arch, which small random steps break.
+/// Someone who gave up a goal this often here shuffles every other second, at this speed in m/s: discs can block each
+/// other between walls for good, and small random steps free them.
 const JAMMED: u32 = 10;
 const SHUFFLE: f64 = 0.3;
 

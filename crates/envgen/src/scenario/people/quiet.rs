@@ -1,4 +1,5 @@
-//! People who need no decision for some ticks: who stand, and who walk straight on while nobody is on a collision course with them.
+//! People who need no decision for some ticks: who stand, and who walk straight on while nobody in sight is on a
+//! collision course with them.
 
 use glam::DVec2;
 
@@ -96,14 +97,15 @@ impl Crowd {
     }
 }
 
-/// For how many seconds a person need not avoid another at `to` from it, while their distance changes by `closing`
-/// in m/s, and stays farther than `close` metres; 0 or less where it has to now.
+/// For how many seconds a person need not avoid another, and stays farther than `close` metres from it; 0 or less where
+/// it has to now. See [`seconds_apart`].
 fn seconds_free(to: DVec2, closing: DVec2, close: f64) -> f64 {
     let meeting = seconds_apart(to, closing, 2.0 * PERSON_RADIUS + ROUNDING);
     seconds_apart(to, closing, close).min(meeting - DISC_HORIZON)
 }
 
-/// For how many seconds a person stays farther than a distance in metres from another.
+/// For how many seconds a person stays farther than a distance in metres from another that is at `to` from it, with the
+/// velocity `closing` of the person relative to the other in m/s; 0 where they are nearer already.
 fn seconds_apart(to: DVec2, closing: DVec2, distance: f64) -> f64 {
     let distance2 = distance * distance;
     if to.length_squared() <= distance2 {
@@ -165,6 +167,25 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn two_are_apart_until_they_are_near(
+            to in [-8.0..8.0, -8.0..8.0],
+            closing in [-3.0..3.0, -3.0..3.0],
+            distance in 0.1..2.0,
+        ) {
+            let (to, closing) = (DVec2::from(to), DVec2::from(closing));
+            let seconds = seconds_apart(to, closing, distance);
+            let gap = |time: f64| (to - closing * time).length();
+            let is_apart = |k| {
+                let time = f64::from(k) * 0.001 * seconds.min(60.0);
+                seconds == 0.0 || gap(time) >= distance - 1e-6
+            };
+            prop_assert!((0..=1000).all(is_apart));
+            if seconds.is_finite() {
+                prop_assert!(gap(seconds) <= distance + 1e-6);
+            }
+        }
+
         #[test]
         fn nobody_is_avoided_while_all_are_free(
             to in [-8.0..8.0, -8.0..8.0],

@@ -247,7 +247,7 @@ impl Tree {
         }
     }
 
-    /// The cells of the window on the path behind a cell that lie straight on from it, and so in its sight, with
+    /// The cells of the window on the path after a cell that lie straight on from it, and so in its sight, with
     /// `next` as the first.
     fn straight_on(&self, cell: usize, next: usize) -> Vec<usize> {
         let mut cells = Vec::with_capacity(64);
@@ -262,8 +262,8 @@ impl Tree {
         cells
     }
 
-    /// The farthest cell of the window on the path that is found in sight of a point, by doubling and then by halving. The
-    /// path continues with `cells`, one or more, which can be reached.
+    /// The farthest cell of the window on the path that is found in sight of a point, by doubling and then by halving.
+    /// The path continues with `cells`, one or more, of which the last can be reached.
     fn farthest_seen(
         &self,
         space: &FreeSpace,
@@ -308,5 +308,38 @@ impl Tree {
     /// The direction from a cell of the window towards the place.
     fn step(&self, space: &FreeSpace, cell: usize) -> Option<u8> {
         self.index(space, cell).map(|i| self.steps[i])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::clearance_index::ClearanceIndex;
+    use crate::indoor::IndoorSpec;
+    use crate::scenario::people::REACH;
+    use crate::{Blueprint, Seed, Spec};
+
+    #[test]
+    fn what_lies_straight_on_is_in_sight() {
+        let world = IndoorSpec::default().generate(Seed(3)).unwrap().to_world();
+        let index = Arc::new(ClearanceIndex::new(&world, REACH).unwrap());
+        let space = FreeSpace::new(&world, &[], index);
+        let free: Vec<usize> = (0..space.frame.len()).filter(|&cell| space.is_free(cell)).collect();
+        let mut farthest = 0;
+        for goal in free.iter().step_by(free.len() / 5) {
+            let tree = Tree::new(&space, space.frame.center_of(*goal), 100);
+            for cell in 0..tree.steps.len() {
+                let Some(Some(next)) = tree.next(cell) else { continue };
+                let cells = tree.straight_on(cell, next);
+                let [from, to] =
+                    [cell, cells[cells.len() - 1]].map(|cell| tree.center(&space, cell));
+                assert!(space.is_clear(from, to), "{from} to {to}");
+                assert!(cells.windows(2).all(|pair| tree.next(pair[0]) == Some(Some(pair[1]))));
+                farthest = farthest.max(cells.len());
+            }
+        }
+        assert!(farthest > 10, "{farthest} cells");
     }
 }

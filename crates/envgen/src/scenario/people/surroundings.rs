@@ -47,11 +47,11 @@ impl Surroundings<'_> {
 
     /// Whether no solid and no leaf is between a point and another one at `to` from it.
     pub(super) fn sees(&self, from: DVec2, to: DVec2) -> bool {
-        self.sees_past(self.doors, from, to)
+        self.sees_with_doors(self.doors, from, to)
     }
 
     /// The same with other states of the doors.
-    pub(super) fn sees_past(&self, doors: &[DoorState], from: DVec2, to: DVec2) -> bool {
+    pub(super) fn sees_with_doors(&self, doors: &[DoorState], from: DVec2, to: DVec2) -> bool {
         let distance = to.length();
         let direction = to / distance;
         distance == 0.0
