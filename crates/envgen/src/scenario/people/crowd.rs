@@ -173,11 +173,15 @@ impl Crowd {
         if person.steps_left > 0 || !wish.is_free {
             return true;
         }
-        // Who left the path decides again where its next corner is near.
+        // Who walks freely beside the path decides again where its next corner is near, and who steps aside at any.
         let walked = wish.velocity * (TICK * DECIDE as f64);
         let is_far =
             |corner: &DVec2| corner.distance_squared(person.position) > walked.length_squared();
-        !person.on_path && walked != DVec2::ZERO && person.path.last().is_some_and(is_far)
+        !person.on_path
+            && !wish.is_clear
+            && person.aside.is_none()
+            && walked != DVec2::ZERO
+            && person.path.last().is_some_and(is_far)
     }
 
     /// Lets a person decide again in this tick.
@@ -392,6 +396,8 @@ impl Crowd {
         if left < 1e-9 || (!person.on_path && left < 0.5 * PERSON_RADIUS && person.path.len() == 1)
         {
             person.path.pop();
+            // The last step to a corner is a shorter one, which is not to be repeated.
+            self.wishes[i] = Wish::STAND;
             if person.path.is_empty() {
                 person.velocity = DVec2::ZERO;
                 person.on_path = false;
@@ -405,7 +411,7 @@ impl Crowd {
             }
         } else if person.on_path {
             let step = velocity.length() * TICK;
-            // The last step to a corner is a shorter one.
+            // Without the last step to a corner.
             person.steps_left = (left / step - 1e-6).max(0.0) as u32;
         } else if (around.tick + i as u64).is_multiple_of(if is_free { LOOK } else { SEARCH }) {
             self.look(i, around);

@@ -153,8 +153,12 @@ impl PersonState {
     }
 }
 
-/// Whether a person has waited long enough for others to move aside: not all equally long, so that one of two gives in.
+/// The tick from which a person has waited long enough for others to move aside: not all equally long, so that one of two
+/// gives in.
+pub(super) fn impatient_from(i: usize, person: &PersonState) -> u64 {
+    person.moved.1 + PATIENCE + (7 * i as u64 + 13 * person.draws) % PATIENCE + 1
+}
+
 fn is_impatient(i: usize, person: &PersonState, tick: u64) -> bool {
-    let waited = tick - person.moved.1;
-    waited > PATIENCE && waited > PATIENCE + (7 * i as u64 + 13 * person.draws) % PATIENCE
+    tick - person.moved.1 > PATIENCE && tick >= impatient_from(i, person)
 }

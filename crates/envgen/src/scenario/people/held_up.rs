@@ -22,8 +22,8 @@ const HELD_UP_WITHIN: f64 = 0.5;
 const ASIDE: f64 = 2.0;
 const STEP_BACK: f64 = 1.0;
 
-/// Someone who gave up a goal this often here shuffles every other second, at this speed in m/s: discs can block each
-/// other between walls for good, and small random steps free them.
+/// Someone who gave up a goal this often here shuffles every other second, at most at this speed in m/s: discs can
+/// block each other between walls for good, and small random steps free them.
 const JAMMED: u32 = 10;
 const SHUFFLE: f64 = 0.3;
 
@@ -69,7 +69,7 @@ impl Crowd {
         let is_jammed = person.is_walking() && person.held_up.1 >= JAMMED && person.is_held_up();
         (is_time && is_jammed).then(|| {
             let mut stream = around.seed.attempt("scenario/people/shuffle", number, second);
-            SHUFFLE * unit_vector(TAU * stream.unit())
+            SHUFFLE.min(around.people[i].speed) * unit_vector(TAU * stream.unit())
         })
     }
 
@@ -185,5 +185,50 @@ impl Crowd {
             self.people[i].aside = path.and_then(|(_, path)| path.last().copied());
         }
         self.people[i].aside
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::indoor::IndoorSpec;
+    use crate::scenario::tick::TICK;
+    use crate::scenario::{DoorKinds, Scenario, ScenarioSpec, ScenarioState};
+    use crate::{Blueprint, Seed, Spec};
+
+    #[test]
+    fn who_steps_aside_for_a_door_goes_straight_there() {
+        let mut steps = 0;
+        for seed in 1..=20 {
+            let world = IndoorSpec::default().generate(Seed(seed)).unwrap().to_world();
+            let spec = ScenarioSpec {
+                people: 6,
+                doors: 1.0,
+                door_kind: DoorKinds::Hinged,
+                door_open: 4.0,
+                door_closed: 4.0,
+                waiting: 1.0,
+                working: 1.0,
+                ..Default::default()
+            };
+            let scenario = Scenario::new(&world, &spec, Seed(seed)).unwrap();
+            let mut state = ScenarioState::new(&world, &scenario).unwrap();
+            for _ in 0..20 * 600 {
+                let before = state.people().to_vec();
+                state.step(TICK, &[]).unwrap();
+                for (i, (then, now)) in before.iter().zip(state.people()).enumerate() {
+                    let (Some(aside), true) = (then.aside, then.aside == now.aside) else {
+                        continue;
+                    };
+                    let is_alone = state.crowd.near.of(i).is_empty();
+                    if is_alone && now.is_walking() && now.velocity != DVec2::ZERO {
+                        let [left, was] = [now, then].map(|one| one.position.distance(aside));
+                        assert!(left < was, "seed {seed}: {left} after {was} m");
+                        steps += 1;
+                    }
+                }
+            }
+        }
+        assert!(steps > 100, "{steps} steps aside");
     }
 }
