@@ -140,6 +140,23 @@ mod tests {
         Record { map, scores: Some(scores), ..Record::default() }
     }
 
+    #[test]
+    fn no_two_trials_have_the_same_noise() {
+        // The easy families all begin with the seed 0.
+        let survey = Anchors::first().survey(&Panel::reference(), 3);
+        let conditions = survey.conditions.len() as u32;
+        let mut seeds: Vec<Seed> = Vec::new();
+        for map in survey.maps() {
+            for condition in 0..conditions {
+                seeds.extend((0..3).map(|noise| survey.noise_seed(&map, condition, noise)));
+            }
+        }
+        let all = seeds.len();
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!((seeds.len(), all), (all, 40 * 12 * 3));
+    }
+
     /// An anchor as it was when its digest was taken.
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]

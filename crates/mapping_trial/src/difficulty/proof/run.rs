@@ -27,8 +27,8 @@ pub struct ProofResult {
     pub map: ProofMap,
     /// The mean score of each panel by the design's dial, the reference first.
     pub scores: Vec<f64>,
-    /// The variance of each of these means by noise: by how much the means of different noise seeds differ. `None`
-    /// of a single seed.
+    /// The variance of each of these means by noise, from the variances within conditions. `None` of a single trial per
+    /// condition.
     pub noise: Vec<Option<f64>>,
 }
 
@@ -132,16 +132,21 @@ struct Mean {
 }
 
 impl Mean {
-    /// The mean over trials with the numbers of their noise seeds; `None` of none.
+    /// The mean over trials with their conditions; `None` of none.
     fn new(trials: &[(u32, f64)]) -> Option<Self> {
-        let mean = |trials: &[(u32, f64)]| {
-            trials.iter().map(|(_, score)| score).sum::<f64>() / trials.len() as f64
-        };
         let mut sorted = trials.to_vec();
-        sorted.sort_by_key(|(noise, _)| *noise);
-        let seeds: Vec<f64> = sorted.chunk_by(|a, b| a.0 == b.0).map(mean).collect();
-        let noise = (seeds.len() > 1).then(|| (&seeds).variance() / seeds.len() as f64);
-        (!seeds.is_empty()).then(|| Mean { score: mean(trials), noise })
+        sorted.sort_by_key(|(condition, _)| *condition);
+        let conditions: Vec<Vec<f64>> = sorted
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|trials| trials.iter().map(|(_, score)| *score).collect())
+            .collect();
+        let count = conditions.len() as f64;
+        let variances = conditions.iter().map(|scores| {
+            (scores.len() > 1).then(|| scores.variance() / scores.len() as f64 / (count * count))
+        });
+        let noise = variances.sum::<Option<f64>>();
+        let score = conditions.iter().map(|scores| scores.mean()).mean();
+        (!conditions.is_empty()).then_some(Mean { score, noise })
     }
 }
 
@@ -149,7 +154,7 @@ impl Mean {
 fn map_means(folder: &SurveyFolder, dial: Dial) -> Vec<Option<Mean>> {
     let mut found = vec![Vec::new(); folder.survey().families.len()];
     for record in folder.records() {
-        let score = record.scores.as_ref().map(|all| (record.noise, dial.of(scores(all))));
+        let score = record.scores.as_ref().map(|all| (record.condition, dial.of(scores(all))));
         found[record.map as usize].extend(score);
     }
     found.iter().map(|trials| Mean::new(trials)).collect()
@@ -262,13 +267,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_is_what_the_means_of_seeds_differ_by() {
-        // Two conditions under the seeds 0 and 1, whose means are 3 and 5: a variance of 2, of two seeds.
-        let trials = [(0, 1.0), (1, 3.0), (0, 5.0), (1, 7.0)];
+    fn noise_is_what_trials_of_a_condition_differ_by() {
+        // Two trials of each of two conditions: variances of 2 and 8, of two trials, of two conditions.
+        let trials = [(0, 1.0), (1, 3.0), (0, 3.0), (1, 7.0)];
         let found = Mean::new(&trials).expect("a mean");
-        assert_eq!(found, Mean { score: 4.0, noise: Some(1.0) });
-        let single = Mean::new(&[trials[0], trials[2]]).expect("a mean");
-        assert_eq!(single, Mean { score: 3.0, noise: None });
+        assert_eq!(found, Mean { score: 3.5, noise: Some((1.0 + 4.0) / 4.0) });
+        let single = Mean::new(&trials[..2]).expect("a mean");
+        assert_eq!(single, Mean { score: 2.0, noise: None });
         assert_eq!(Mean::new(&[]), None);
     }
 }

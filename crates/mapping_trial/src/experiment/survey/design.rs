@@ -22,6 +22,9 @@ pub const MAX_SURVEY_TRIALS: u64 = 1_000_000;
 /// Greatest number of noise seeds per map and condition.
 const MAX_NOISE_SEEDS: u32 = 1000;
 
+/// Between the noise seeds of two worlds of one seed: more than between those of the worlds of most surveys.
+const BETWEEN_SAME_SEEDS: u64 = 1 << 48;
+
 const NOISE_SEEDS: Setting =
     Setting::integer("noise_seeds", 1, MAX_NOISE_SEEDS as u64, "Trials per map and condition");
 
@@ -71,7 +74,7 @@ pub enum SurveyNoise {
     /// Those under different conditions: for paired differences of conditions.
     #[default]
     Shared,
-    /// None: for means over conditions, in which shared noise would not average out.
+    /// No two, of other worlds neither: for means, in which shared noise would not average out.
     Own,
 }
 
@@ -259,15 +262,29 @@ impl Survey {
         maps.saturating_mul(per_map)
     }
 
-    /// The seed of the sensor noise of a trial by the numbers of its condition and of its noise seed: independent of
-    /// the other families of the survey.
+    /// The seed of the sensor noise of a trial by the numbers of its condition and of its noise seed. It depends on the seed
+    /// of the world, and for noise of its own on the number of conditions and of earlier families with a world of this
+    /// seed; not on the others.
     pub fn noise_seed(&self, map: &SurveyMap<'_>, condition: u32, noise: u32) -> Seed {
         let (per_seed, own) = match self.noise {
             SurveyNoise::Shared => (1, 0),
-            SurveyNoise::Own => (self.conditions.len() as u64, u64::from(condition)),
+            SurveyNoise::Own => {
+                let earlier = self.families.iter().take_while(|one| one.name != map.family.name);
+                let same = earlier.filter(|family| family.has_seed(map.seed)).count() as u64;
+                let own = same.wrapping_mul(BETWEEN_SAME_SEEDS).wrapping_add(condition.into());
+                (self.conditions.len() as u64, own)
+            }
         };
         let first = map.seed.0.wrapping_mul(per_seed * u64::from(MAX_NOISE_SEEDS));
-        Seed(first).offset(u64::from(noise) * per_seed + own)
+        Seed(first).offset(u64::from(noise) * per_seed).offset(own)
+    }
+}
+
+impl Family {
+    /// Whether one of its worlds has a seed.
+    fn has_seed(&self, seed: Seed) -> bool {
+        let number = seed.0.checked_sub(self.first_seed.0);
+        number.is_some_and(|number| number < u64::from(self.maps))
     }
 }
 
@@ -357,6 +374,19 @@ mod tests {
         own.sort_unstable();
         own.dedup();
         assert_eq!(own.len(), 20);
+    }
+
+    #[test]
+    fn worlds_of_one_seed_have_noise_of_their_own() {
+        let mut survey = Survey { noise: SurveyNoise::Own, ..survey() };
+        let first = noise_seeds(&survey);
+        // The second family begins with the seed of the first one's last world.
+        survey.families[1].first_seed = Seed(2);
+        let mut all = noise_seeds(&survey);
+        assert_eq!(all[..12], first[..12]);
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 20);
     }
 
     #[test]
