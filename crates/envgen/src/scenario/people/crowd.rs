@@ -13,8 +13,8 @@ use crate::scenario::person::{MAX_CURIOUS, PERSON_RADIUS, Person, PersonState, R
 use crate::scenario::tick::{TICK, TICKS_PER_SECOND};
 use crate::seed::Seed;
 
-/// People decide on a velocity once in so many ticks, at corners of their paths at any; between, they stop before
-/// what they would touch.
+/// People decide on a velocity once in so many ticks, and in every tick at corners of their paths, while they step aside
+/// freely, and where they slid along a wall; between, they stop before what they would touch.
 pub(super) const DECIDE: u64 = 5;
 
 /// The most neighbours that a person avoids: the nearest.
@@ -164,7 +164,7 @@ impl Crowd {
         self.sights.restart(self.near.pair_count(), doors);
     }
 
-    /// Whether a person still wishes what was decided before: not at a corner of the path.
+    /// Whether a person still wishes what was decided before: see [`DECIDE`].
     fn keeps_wish(&self, i: usize) -> bool {
         let (person, wish) = (&self.people[i], &self.wishes[i]);
         if person.task != Task::Walk {
@@ -173,7 +173,8 @@ impl Crowd {
         if person.steps_left > 0 || !wish.is_free {
             return true;
         }
-        // Who walks freely beside the path decides again where its next corner is near, and who steps aside at any.
+        // Who walks freely beside the path decides again where its next corner is near. Who steps aside does so in every
+        // tick, and so does who has a wish along the path, which is no longer known to be clear.
         let walked = wish.velocity * (TICK * DECIDE as f64);
         let is_far =
             |corner: &DVec2| corner.distance_squared(person.position) > walked.length_squared();

@@ -174,7 +174,7 @@ impl Crowd {
         let is_stopped = person.velocity == DVec2::ZERO;
         let shape = &around.shapes[door];
         let is_valid = |aside: DVec2| aside.distance_squared(person.position) > 1e-18;
-        // At every second decision: who is stopped is asked only then.
+        // In every second stretch of `DECIDE` ticks: who is stopped is asked once in a stretch.
         let is_time = (around.tick / DECIDE + i as u64).is_multiple_of(2);
         if is_time && (is_stopped || !person.aside.is_some_and(is_valid)) {
             let path =

@@ -60,8 +60,8 @@ pub struct Row {
     pub raw: Agreement,
     /// With values linked to the reference panel.
     pub linked: Agreement,
-    /// Share of the variance of the measured values over maps that is not noise of trials; absent where a map has one
-    /// noise seed, and where all values are equal.
+    /// Share of the variance of the measured values over maps that is not noise of trials; absent where a condition has
+    /// a single trial in a map, and where all values are equal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reliability: Option<f64>,
     /// The rank correlation divided by the root of the reliability, from -1 to 1: an estimate of that without noise

@@ -27,8 +27,8 @@ pub struct ProofResult {
     pub map: ProofMap,
     /// The mean score of each panel by the design's dial, the reference first.
     pub scores: Vec<f64>,
-    /// The variance of each of these means by noise, from the variances within conditions. `None` of a single trial per
-    /// condition.
+    /// The variance of each of these means by noise, from the variances within conditions. `None` where a condition has a
+    /// single trial.
     pub noise: Vec<Option<f64>>,
 }
 
@@ -274,6 +274,9 @@ mod tests {
         assert_eq!(found, Mean { score: 3.5, noise: Some((1.0 + 4.0) / 4.0) });
         let single = Mean::new(&trials[..2]).expect("a mean");
         assert_eq!(single, Mean { score: 2.0, noise: None });
+        // Conditions count the same, however many trials they have.
+        let uneven = Mean::new(&[(0, 1.0), (0, 3.0), (1, 5.0)]).expect("a mean");
+        assert_eq!(uneven, Mean { score: 3.5, noise: None });
         assert_eq!(Mean::new(&[]), None);
     }
 }

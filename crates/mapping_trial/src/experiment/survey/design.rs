@@ -22,7 +22,9 @@ pub const MAX_SURVEY_TRIALS: u64 = 1_000_000;
 /// Greatest number of noise seeds per map and condition.
 const MAX_NOISE_SEEDS: u32 = 1000;
 
-/// Between the noise seeds of two worlds of one seed: more than between those of the worlds of most surveys.
+/// Difference of the noise seeds of two worlds with the same seed. No two trials have the same as long as fewer than
+/// 65,536 worlds have one seed, and seeds are below this number divided by [`MAX_NOISE_SEEDS`] times the number of
+/// conditions.
 const BETWEEN_SAME_SEEDS: u64 = 1 << 48;
 
 const NOISE_SEEDS: Setting =
@@ -74,7 +76,7 @@ pub enum SurveyNoise {
     /// Those under different conditions: for paired differences of conditions.
     #[default]
     Shared,
-    /// No two, of other worlds neither: for means, in which shared noise would not average out.
+    /// No two, not even of different worlds: for means, in which shared noise would not average out.
     Own,
 }
 
@@ -264,7 +266,7 @@ impl Survey {
 
     /// The seed of the sensor noise of a trial by the numbers of its condition and of its noise seed. It depends on the seed
     /// of the world, and for noise of its own on the number of conditions and of earlier families with a world of this
-    /// seed; not on the others.
+    /// seed; not on other families.
     pub fn noise_seed(&self, map: &SurveyMap<'_>, condition: u32, noise: u32) -> Seed {
         let (per_seed, own) = match self.noise {
             SurveyNoise::Shared => (1, 0),

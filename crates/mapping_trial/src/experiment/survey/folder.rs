@@ -317,8 +317,10 @@ fn record(
 
 /// Reads whole lines, each a trial of this share that was not there before.
 fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<Key, Record>, ExperimentError> {
-    let own = head.survey.maps().filter(|map| head.has(map.number));
-    let known: BTreeSet<Key> = own.flat_map(|map| head.survey.keys(map.number)).collect();
+    let survey = &head.survey;
+    let own = survey.maps().filter(|map| head.has(map.number));
+    let maps: BTreeMap<u32, SurveyMap<'_>> = own.map(|map| (map.number, map)).collect();
+    let known: BTreeSet<Key> = maps.keys().flat_map(|number| survey.keys(*number)).collect();
     let mut records = BTreeMap::new();
     for (i, line) in text.lines().enumerate() {
         let bad = |reason: String| ExperimentError::Content {
@@ -327,8 +329,13 @@ fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<Key, Record>, 
         };
         let record: Record = serde_json::from_str(line).map_err(|error| bad(error.to_string()))?;
         let key = (record.map, record.condition, record.noise);
-        if !known.contains(&key) {
+        let map = maps.get(&record.map).filter(|_| known.contains(&key));
+        let Some(map) = map else {
             return Err(bad("a trial of another survey".to_owned()));
+        };
+        let expected = survey.noise_seed(map, record.condition, record.noise);
+        if record.noise_seed != expected {
+            return Err(bad(format!("`noise_seed` must be {expected}, got {}", record.noise_seed)));
         }
         if records.insert(key, record).is_some() {
             return Err(bad("a trial that occurs twice".to_owned()));

@@ -167,7 +167,7 @@ fn a_file_of_something_else_is_named() {
 }
 
 #[test]
-fn trials_of_another_survey_and_trials_that_occur_twice_are_refused() {
+fn trials_of_another_survey_or_noise_and_trials_that_occur_twice_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut small = survey();
     small.families.truncate(1);
@@ -185,6 +185,8 @@ fn trials_of_another_survey_and_trials_that_occur_twice_are_refused() {
     };
     let other = open(line.replacen("\"map\":0", "\"map\":7", 1) + "\n");
     assert!(other.ends_with("line 1: a trial of another survey"), "{other}");
+    let noise = open(line.replacen("\"noise_seed\":5000", "\"noise_seed\":5002", 1) + "\n");
+    assert!(noise.ends_with("line 1: `noise_seed` must be 5000, got 5002"), "{noise}");
     let twice = open(format!("{line}\n{line}\n"));
     assert!(twice.ends_with("line 2: a trial that occurs twice"), "{twice}");
 }
