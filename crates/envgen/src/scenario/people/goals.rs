@@ -159,6 +159,7 @@ pub(super) fn impatient_from(i: usize, person: &PersonState) -> u64 {
     person.moved.1 + PATIENCE + (7 * i as u64 + 13 * person.draws) % PATIENCE + 1
 }
 
+/// Whether a person has waited that long. Most have not waited for the shortest time, which is asked first.
 fn is_impatient(i: usize, person: &PersonState, tick: u64) -> bool {
     tick - person.moved.1 > PATIENCE && tick >= impatient_from(i, person)
 }
