@@ -210,10 +210,31 @@ fn the_guide_names_every_feature() {
         if named.ends_with(':') {
             named.push_str(paragraphs.next().unwrap_or_default());
         }
+        let readme =
+            fs::read_to_string(root().join("crates").join(krate).join("README.md")).unwrap();
         let features = features(&manifest);
         assert!(!features.is_empty(), "{krate}");
         for feature in features {
-            assert!(named.contains(&format!("`{feature}`")), "{krate}: `{feature}` is not named");
+            let name = format!("`{feature}`");
+            assert!(named.contains(&name), "{krate}: {name} is not in the guide");
+            assert!(readme.contains(&name), "{krate}: {name} is not in the crate's README");
+        }
+    }
+}
+
+#[test]
+fn the_guide_names_every_public_module() {
+    let page = fs::read_to_string(root().join("docs/guide/architecture.md")).unwrap();
+    for krate in ["envgen", "mapping_trial", "bevy_envgen", "bevy_mapping_trial"] {
+        let (_, section) = page.split_once(&format!("## Inside `{krate}`")).unwrap();
+        let section = section.split("\n## ").next().unwrap();
+        let library = root().join("crates").join(krate).join("src/lib.rs");
+        let library = fs::read_to_string(library).unwrap();
+        let modules = library.lines().filter_map(|line| line.strip_prefix("pub mod "));
+        let modules: Vec<&str> = modules.filter_map(|line| line.strip_suffix(';')).collect();
+        assert!(modules.len() > 4, "{krate}");
+        for module in modules {
+            assert!(section.contains(&format!("`{module}`")), "{krate}: `{module}` is not named");
         }
     }
 }
