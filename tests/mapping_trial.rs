@@ -175,8 +175,10 @@ fn no_file_that_is_read_is_written_over() {
     let yaml = fs::read_to_string(out.join("ros_map.yaml")).expect("a file");
     let elsewhere = folder.path().join("map.yaml");
     fs::write(&elsewhere, yaml.replace("ros_map.pgm", "out/ros_map.pgm")).expect("a file");
-    let error = EXAMPLE.error(&["--map", elsewhere.to_str().expect("a path")], &out);
-    assert!(error.contains("is the input") && error.contains("out/ros_map.pgm"), "{error}");
+    for option in ["--map", "--world"] {
+        let error = EXAMPLE.error(&[option, elsewhere.to_str().expect("a path")], &out);
+        assert!(error.contains("is the input") && error.contains("out/ros_map.pgm"), "{error}");
+    }
     assert_eq!(files(&out), before);
 }
 
@@ -201,6 +203,14 @@ fn impossible_arguments_are_reported() {
     fs::write(&slow, "(max_speed: 0)").expect("a file");
     let error = EXAMPLE.error(&["--robot", slow.to_str().expect("a path")], &out);
     assert!(error.contains("slow.ron: `body.max_speed` must be a number from 0.01 to"), "{error}");
+    let small = folder.path().join("small.ron");
+    fs::write(&small, "(length: 0.1, width: 0.1, swing_radius: 0.08, laser_offset: 0)")
+        .expect("a file");
+    let error = EXAMPLE.error(&["--robot", small.to_str().expect("a path")], &out);
+    assert!(
+        error.contains("small.ron: `circumscribed_radius` must be from 0.15 to 2 m"),
+        "{error}"
+    );
     assert!(EXAMPLE.error(&["--difficulty", "11"], &out).contains("`difficulty` must be"));
     assert!(EXAMPLE.error(&["--robots", "0"], &out).contains("`robots` must be"));
     assert!(EXAMPLE.error(&["--size", "193"], &out).contains("193 is not in 4..=192"));

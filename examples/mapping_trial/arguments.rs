@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use envgen::geometry::Pose;
-use envgen::import::ros_map::RosDescription;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
 use envgen::scenario::Scenario;
@@ -200,9 +199,9 @@ impl Arguments {
 
     /// The files that are read.
     fn inputs(&self) -> Vec<PathBuf> {
-        let image = self.map.as_deref().and_then(image_of);
-        let files = [&self.world, &self.map, &image, &self.robot, &self.replay, &self.scenario];
-        files.into_iter().flatten().cloned().collect()
+        let worlds = [&self.world, &self.map].into_iter().flatten();
+        let others = [&self.robot, &self.replay, &self.scenario].into_iter().flatten().cloned();
+        worlds.flat_map(|path| import::input_files(path)).chain(others).collect()
     }
 
     /// The bag for ROS 2, begun before the trial; `None` if none is asked for.
@@ -266,10 +265,4 @@ fn pose(text: &str) -> Result<Pose, String> {
         Ok(&[x, y]) => Ok(Pose::new(x, y, 0.0)),
         _ => Err("not of the form x,y,heading with numbers in metres and degrees".to_owned()),
     }
-}
-
-/// The image that the description of a map names; `None` where reading the map reports why not.
-fn image_of(map: &Path) -> Option<PathBuf> {
-    let text = std::fs::read_to_string(map).ok()?;
-    Some(RosDescription::from_yaml(&text).ok()?.image_path(map))
 }

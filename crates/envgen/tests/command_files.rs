@@ -136,6 +136,15 @@ fn no_output_is_an_input_or_another_output() {
     }
     let room = "generate indoor --rooms rooms --out rooms/v.room.ron";
     assert!(folder.error(room, 2).contains("is the input rooms/v.room.ron"));
+    let map = Folder::new();
+    map.notes(&format!("generate {TREES} --out office.yaml"));
+    let yaml = fs::read_to_string(map.path("office.yaml")).unwrap();
+    map.write("map.yaml", &yaml.replace("office.pgm", "map.png"));
+    fs::rename(map.path("office.pgm"), map.path("map.png")).unwrap();
+    for out in ["map.png", "./map.png"] {
+        let error = map.error(&format!("convert map.yaml --out {out}"), 2);
+        assert!(error.contains(&format!("--out {out}: is the input map.png, which")), "{error}");
+    }
     for (one, other) in [("a.json", "./a.json"), ("b.yaml", "rooms/../b.YAML")] {
         let error = folder.error(&format!("generate s.ron --out {one} --out {other}"), 2);
         assert!(error.contains("is the same file as --out "), "{error}");

@@ -144,6 +144,15 @@ pub fn read_world(path: &Path) -> Result<World, ImportError> {
     reader(&mut file, path)
 }
 
+/// The files of which a world is read that no output may replace: the file itself, and the image that the description
+/// of a ROS map names.
+pub fn input_files(path: &Path) -> Vec<PathBuf> {
+    let mut files = vec![path.to_owned()];
+    #[cfg(feature = "ros")]
+    files.extend(ros_map::image_of(path));
+    files
+}
+
 /// Reads a world from its JSON file.
 ///
 /// # Errors

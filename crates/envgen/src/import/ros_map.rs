@@ -355,6 +355,18 @@ impl RosMap {
     }
 }
 
+/// The image that the description of a map names; `None` where that is no description.
+pub(super) fn image_of(path: &Path) -> Option<PathBuf> {
+    let is_yaml = |ending: &std::ffi::OsStr| {
+        ending.eq_ignore_ascii_case("yaml") || ending.eq_ignore_ascii_case("yml")
+    };
+    if !path.extension().is_some_and(is_yaml) {
+        return None;
+    }
+    let text = file::read_text(&mut File::open(path).ok()?).ok()?;
+    Some(RosDescription::from_yaml(&text).ok()?.image_path(path))
+}
+
 /// Reads the YAML of a map, and the image that it names; `path` is the path of the YAML file.
 ///
 /// # Errors

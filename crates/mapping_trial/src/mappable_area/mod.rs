@@ -134,10 +134,8 @@ impl MappableArea {
         robot: &Robot,
         start: DVec2,
     ) -> Result<Self, MappableAreaError> {
+        Self::check_robot(robot)?;
         let radius = robot.circumscribed_radius;
-        if !RADII.contains(&radius) {
-            return Err(MappableAreaError::Radius(radius));
-        }
         world.check()?;
         let (around, too_large) = (Self::check_size(world)?, too_large(world));
         let frame = ScoreFrame::around(around);
@@ -201,6 +199,16 @@ impl MappableArea {
         let far = around.min.abs().max(around.max.abs()).max_element();
         let small = cells <= MAX_CELLS as f64 && far <= FARTHEST;
         if small { Ok(around) } else { Err(too_large(world)) }
+    }
+
+    /// Checks before a trial that a robot is of a size that can be scored: of a circumscribed radius from 0.15 to
+    /// 2 m.
+    ///
+    /// # Errors
+    /// If it is smaller or larger.
+    pub fn check_robot(robot: &Robot) -> Result<(), MappableAreaError> {
+        let radius = robot.circumscribed_radius;
+        if RADII.contains(&radius) { Ok(()) } else { Err(MappableAreaError::Radius(radius)) }
     }
 
     /// The grid of the mappable area.

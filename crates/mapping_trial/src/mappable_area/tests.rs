@@ -120,6 +120,7 @@ fn a_world_that_cannot_be_mapped_says_why() {
         let robot = Robot { circumscribed_radius, ..Robot::default() };
         let text = MappableArea::new(&world, &robot).unwrap_err().to_string();
         assert!(text.contains("`circumscribed_radius`") && text.contains("0.15 to 2"), "{text}");
+        assert!(MappableArea::check_robot(&robot).is_err());
     }
 }
 

@@ -183,9 +183,7 @@ pub(crate) struct WorldFile {
 impl WorldFile {
     /// The input files.
     pub(crate) fn inputs(&self) -> Vec<PathBuf> {
-        let mut inputs = self.rooms.files();
-        inputs.push(self.file.clone());
-        inputs
+        [self.rooms.files(), import::input_files(&self.file)].concat()
     }
 
     /// Reads it in the format of its name's ending, and reports on stderr what was left out.
