@@ -96,11 +96,49 @@ impl Hull {
         }
     }
 
-    /// Squared distance from a point; for a box as [`Shape::nearest_point`] rounds it.
+    /// The nearest point to a point; for a box as [`Shape::nearest_point`] rounds it.
+    #[inline]
+    fn nearest_point(&self, p: DVec2) -> DVec2 {
+        self.center + (p - self.center).clamp(-self.half_size, self.half_size)
+    }
+
+    /// Squared distance from a point.
     #[inline]
     fn distance_squared(&self, p: DVec2) -> f64 {
-        let inside = (p - self.center).clamp(-self.half_size, self.half_size);
-        p.distance_squared(self.center + inside)
+        p.distance_squared(self.nearest_point(p))
+    }
+}
+
+/// A line, and how far from it a hull must be at least to be off it.
+struct Surrounded {
+    middle: DVec2,
+    /// Half the sides of the box around what is nearer to the line.
+    half_size: DVec2,
+    /// Across the line, as long as the line.
+    normal: DVec2,
+    /// The distance times the length of the line.
+    breadth: f64,
+}
+
+impl Surrounded {
+    fn new(from: DVec2, to: DVec2, distance: f64) -> Self {
+        let along = to - from;
+        let distance = distance + ROUNDING;
+        Surrounded {
+            middle: from.midpoint(to),
+            half_size: 0.5 * along.abs() + distance,
+            normal: along.perp(),
+            breadth: distance * along.length(),
+        }
+    }
+
+    /// Whether it is easy to see that a hull is off the line: along one of the axes, or across the line.
+    #[inline]
+    fn is_off(&self, hull: &Hull) -> bool {
+        let to = hull.center - self.middle;
+        let gap = to.abs() - hull.half_size - self.half_size;
+        let across = to.dot(self.normal).abs() - hull.half_size.dot(self.normal.abs());
+        (gap.x > 0.0) | (gap.y > 0.0) | (across > self.breadth)
     }
 }
 
@@ -205,11 +243,10 @@ impl ClearanceIndex {
             if self.hulls[i as usize].distance_squared(p) > beyond * beyond {
                 continue;
             }
-            let (part, shape) = &self.shapes[i as usize];
-            let point = shape.nearest_point(p);
+            let point = self.nearest_point(i, p);
             let distance = p.distance(point);
             if distance <= radius {
-                visit(Contact { part: *part, point, distance });
+                visit(Contact { part: self.shapes[i as usize].0, point, distance });
             }
         }
     }
@@ -230,9 +267,19 @@ impl ClearanceIndex {
     /// # Ok::<(), envgen::GenerateError>(())
     /// ```
     pub fn nearest(&self, p: DVec2) -> Option<Contact> {
-        let (part, shape) = &self.shapes[self.room(p).nearest? as usize];
-        let point = shape.nearest_point(p);
-        Some(Contact { part: *part, point, distance: p.distance(point) })
+        let nearest = self.room(p).nearest?;
+        let point = self.nearest_point(nearest, p);
+        Some(Contact { part: self.shapes[nearest as usize].0, point, distance: p.distance(point) })
+    }
+
+    /// The nearest point of a shape by its number.
+    #[inline]
+    fn nearest_point(&self, shape: u32, p: DVec2) -> DVec2 {
+        let hull = &self.hulls[shape as usize];
+        match hull.is_shape {
+            true => hull.nearest_point(p),
+            false => self.shapes[shape as usize].1.nearest_point(p),
+        }
     }
 
     /// Distance in metres to the nearest solid part, infinite when none is within
@@ -246,11 +293,9 @@ impl ClearanceIndex {
     pub(crate) fn is_clear_along(&self, a: DVec2, b: DVec2, distance: f64) -> bool {
         // A cell lists what is within reach of a point in it, and so of the line as far as that from the point.
         split_segment(a, b, (self.reach - distance).min(MAX_PIECE)).all(|(from, to)| {
-            let (middle, half) = (from.midpoint(to), 0.5 * (to - from).abs() + distance);
-            self.index.at(middle).iter().all(|&i| {
-                let hull = &self.hulls[i as usize];
-                let gap = (hull.center - middle).abs() - hull.half_size - half;
-                gap.max_element() > ROUNDING
+            let line = Surrounded::new(from, to, distance);
+            self.index.at(line.middle).iter().all(|&i| {
+                line.is_off(&self.hulls[i as usize])
                     || self.shapes[i as usize].1.distance_from_segment(from, to) >= distance
             })
         })
@@ -286,11 +331,7 @@ impl ClearanceIndex {
     /// least, and what the query costs.
     pub(crate) fn distance(&self, p: DVec2, shape: u32) -> (f64, usize) {
         let hull = &self.hulls[shape as usize];
-        let squared = match hull.is_shape {
-            true => hull.distance_squared(p),
-            false => p.distance_squared(self.shapes[shape as usize].1.nearest_point(p)),
-        };
-        (squared.sqrt(), hull.cost as usize)
+        (p.distance_squared(self.nearest_point(shape, p)).sqrt(), hull.cost as usize)
     }
 }
 

@@ -41,34 +41,34 @@ pub(crate) struct Neighbourhood {
     in_touch: Lists,
 }
 
+/// Someone in the list of another person.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Neighbour {
+    pub(super) person: u32,
+    /// The number of the pair that both are.
+    pub(super) pair: u32,
+}
+
 /// For each person the others who can come within a distance before the lists are rebuilt.
 #[derive(Clone, Debug)]
 struct Lists {
     starts: Vec<u32>,
-    ids: Vec<u32>,
-    /// The numbers of the pairs that a person is in with each of `ids`.
-    numbers: Vec<u32>,
+    neighbours: Vec<Neighbour>,
     /// Those who are in each other's lists.
     pairs: Vec<[u32; 2]>,
 }
 
 impl Lists {
     fn new(people: usize) -> Self {
-        let starts = vec![0; people + 1];
-        Lists { starts, ids: Vec::new(), numbers: Vec::new(), pairs: Vec::new() }
+        Lists { starts: vec![0; people + 1], neighbours: Vec::new(), pairs: Vec::new() }
     }
 
     #[inline]
-    fn range(&self, person: usize) -> Range<usize> {
+    fn of(&self, person: usize) -> &[Neighbour] {
         match self.starts.get(person..person + 2) {
-            Some(&[from, to]) => from as usize..to as usize,
-            _ => 0..0,
+            Some(&[from, to]) => &self.neighbours[from as usize..to as usize],
+            _ => &[],
         }
-    }
-
-    #[inline]
-    fn of(&self, person: usize) -> &[u32] {
-        &self.ids[self.range(person)]
     }
 
     /// Lists the people of all pairs.
@@ -78,14 +78,12 @@ impl Lists {
             self.starts[i as usize] += 1;
         }
         counts_to_ends(&mut self.starts);
-        self.ids.resize(2 * self.pairs.len(), 0);
-        self.numbers.resize(2 * self.pairs.len(), 0);
+        self.neighbours.resize(2 * self.pairs.len(), Neighbour::default());
         for (number, &[i, j]) in self.pairs.iter().enumerate().rev() {
             for (one, other) in [(i, j), (j, i)] {
                 let start = &mut self.starts[one as usize];
                 *start -= 1;
-                self.ids[*start as usize] = other;
-                self.numbers[*start as usize] = number as u32;
+                self.neighbours[*start as usize] = Neighbour { person: other, pair: number as u32 };
             }
         }
     }
@@ -114,16 +112,8 @@ impl Neighbourhood {
 
     /// Those who can come within [`RANGE`] of a person before the next rebuild.
     #[inline]
-    pub(super) fn of(&self, person: usize) -> &[u32] {
+    pub(super) fn of(&self, person: usize) -> &[Neighbour] {
         self.in_range.of(person)
-    }
-
-    /// The same with the numbers of the pairs.
-    #[inline]
-    pub(super) fn pairs_of(&self, person: usize) -> impl Iterator<Item = (u32, u32)> + '_ {
-        let range = self.in_range.range(person);
-        let (ids, numbers) = (&self.in_range.ids[range.clone()], &self.in_range.numbers[range]);
-        ids.iter().copied().zip(numbers.iter().copied())
     }
 
     /// Number of the pairs.
@@ -138,7 +128,7 @@ impl Neighbourhood {
 
     /// Those whom a person can touch before the next rebuild.
     #[inline]
-    pub(super) fn touchable(&self, person: usize) -> &[u32] {
+    pub(super) fn touchable(&self, person: usize) -> &[Neighbour] {
         self.in_touch.of(person)
     }
 
@@ -175,8 +165,8 @@ impl Neighbourhood {
         placed.clear();
         placed.extend(ids.iter().map(|&i| positions[i as usize]));
         let (pairs, touching) = (&mut in_range.pairs, &mut in_touch.pairs);
-        pairs.clear();
         touching.clear();
+        let mut count = 0;
         let start = |cell: usize| starts[cell] as usize;
         for row in 0..frame.rows {
             for col in 0..frame.cols {
@@ -195,20 +185,25 @@ impl Neighbourhood {
                     false => 0..0,
                 };
                 for k in own {
+                    let (i, p) = (ids[k], placed[k]);
                     for run in [k + 1..beside, above.clone()] {
+                        if pairs.len() < count + run.len() {
+                            pairs.resize(2 * (count + run.len()), [0; 2]);
+                        }
                         for (&j, q) in ids[run.clone()].iter().zip(&placed[run]) {
-                            let distance2 = placed[k].distance_squared(*q);
-                            if distance2 <= range2 {
-                                pairs.push([ids[k], j]);
-                                if distance2 <= touch2 {
-                                    touching.push([ids[k], j]);
-                                }
+                            let distance2 = p.distance_squared(*q);
+                            // Without a branch, which would be hard to predict.
+                            pairs[count] = [i, j];
+                            count += usize::from(distance2 <= range2);
+                            if distance2 <= touch2 {
+                                touching.push([i, j]);
                             }
                         }
                     }
                 }
             }
         }
+        pairs.truncate(count);
     }
 
     /// Whether a test holds for one of those who may be within `reach` metres of a point.
@@ -273,8 +268,8 @@ mod tests {
             let mut near = Neighbourhood::new(bounds, people.len(), max_speed);
             near.rebuild(&people);
             for (i, one) in people.iter().enumerate() {
-                let sorted = |list: &[u32]| {
-                    let mut list = list.to_vec();
+                let sorted = |list: &[Neighbour]| {
+                    let mut list: Vec<u32> = list.iter().map(|other| other.person).collect();
                     list.sort_unstable();
                     list
                 };
@@ -287,11 +282,9 @@ mod tests {
                 };
                 prop_assert_eq!(sorted(near.of(i)), within(RANGE));
                 prop_assert_eq!(sorted(near.touchable(i)), within(TOUCH));
-                let ids: Vec<u32> = near.pairs_of(i).map(|(j, _)| j).collect();
-                prop_assert_eq!(ids, near.of(i));
-                for (j, pair) in near.pairs_of(i) {
-                    let both = [one.position, people[j as usize].position];
-                    let [a, b] = near.pair_positions(pair);
+                for other in near.of(i) {
+                    let both = [one.position, people[other.person as usize].position];
+                    let [a, b] = near.pair_positions(other.pair);
                     prop_assert!(both == [a, b] || both == [b, a]);
                 }
             }

@@ -8,7 +8,7 @@ use super::sights::Sights;
 use super::surroundings::{Surroundings, nearest_robot};
 use crate::scenario::ScenarioSpec;
 use crate::scenario::doors::DoorState;
-use crate::scenario::neighbourhood::{Neighbourhood, RANGE, REBUILD};
+use crate::scenario::neighbourhood::{Neighbour, Neighbourhood, RANGE, REBUILD};
 use crate::scenario::person::{MAX_CURIOUS, PERSON_RADIUS, Person, PersonState, Reaction, Task};
 use crate::scenario::tick::{TICK, TICKS_PER_SECOND};
 use crate::seed::Seed;
@@ -254,7 +254,7 @@ impl Crowd {
         let person = &people[i];
         let p = person.position;
         let (mut nearest, mut count) = ([(0.0, 0_u32, 0_u32); MAX_NEIGHBOURS], 0);
-        for (j, pair) in near.pairs_of(i) {
+        for &Neighbour { person: j, pair } in near.of(i) {
             let distance2 = people[j as usize].position.distance_squared(p);
             if distance2 > RANGE * RANGE {
                 continue;
@@ -479,7 +479,8 @@ impl Crowd {
         };
         let mut doors = self.zone(i, to, around).iter().map(|&door| door as usize);
         let near = if is_apart_from_people { &[] } else { self.near.touchable(i) };
-        near.iter().all(|&j| is_apart(self.people[j as usize].position, 2.0 * PERSON_RADIUS))
+        let position = |other: &Neighbour| self.people[other.person as usize].position;
+        near.iter().all(|other| is_apart(position(other), 2.0 * PERSON_RADIUS))
             && around
                 .robots
                 .iter()

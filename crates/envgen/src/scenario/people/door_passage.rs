@@ -26,9 +26,16 @@ pub(super) fn passes_door(
     }
     let [a, b] = shape.ends;
     let goes_through = corner.is_some_and(|corner| segments_cross(from, corner, a, b));
-    let (distance, before) = (shape.swing_distance(to), shape.swing_distance(from));
+    if state.is_still() && !goes_through {
+        return true;
+    }
+    let distance = shape.swing_distance(to);
+    if distance >= OFF_SWINGS {
+        return true;
+    }
+    let before = shape.swing_distance(from);
     let waits = state.opens && before < OFF_SWINGS;
-    ((state.is_still() || waits) && !goes_through) || distance >= OFF_SWINGS || distance >= before
+    distance >= before || (waits && !goes_through)
 }
 
 #[cfg(test)]

@@ -55,7 +55,7 @@ impl Crowd {
             return false;
         }
         let (p, velocity) = (self.people[i].position, self.people[i].velocity);
-        self.near.of(i).iter().map(|&j| &self.people[j as usize]).any(|other| {
+        self.others_near(i).any(|other| {
             let to = other.position - p;
             other.is_held_up() && to.length_squared() < JAM * JAM && to.dot(velocity) > 0.0
         })
@@ -130,10 +130,14 @@ impl Crowd {
         true
     }
 
+    fn others_near(&self, i: usize) -> impl Iterator<Item = &PersonState> {
+        self.near.of(i).iter().map(|other| &self.people[other.person as usize])
+    }
+
     /// Everything near a person that may move.
     fn blockers(&self, i: usize, around: &Surroundings<'_>) -> Blockers {
         let p = self.people[i].position;
-        let others = self.near.of(i).iter().map(|&j| self.people[j as usize].position);
+        let others = self.others_near(i).map(|other| other.position);
         let robots =
             around.robots.iter().map(|robot| (robot.position, robot.radius + PERSON_RADIUS));
         let doors = around.shapes.iter().zip(around.doors);

@@ -8,7 +8,7 @@ use super::goals::impatient_from;
 use super::held_up::JAM;
 use super::orca::DISC_HORIZON;
 use super::surroundings::Surroundings;
-use crate::scenario::neighbourhood::{REBUILD, drift};
+use crate::scenario::neighbourhood::{Neighbour, REBUILD, drift};
 use crate::scenario::person::{PERSON_RADIUS, Task};
 use crate::scenario::tick::TICK;
 
@@ -39,8 +39,8 @@ impl Crowd {
 
     /// Lets those who walk near a person look again from a tick: what they expect of the person is no longer so.
     pub(super) fn disturb_others(&mut self, i: usize, tick: u64) {
-        for &j in self.near.of(i) {
-            let j = j as usize;
+        for other in self.near.of(i) {
+            let j = other.person as usize;
             if self.people[j].task == Task::Walk {
                 self.quiet_until[j] = self.quiet_until[j].min(tick);
             }
@@ -71,7 +71,7 @@ impl Crowd {
         most = most.min(impatient_from(i, person).saturating_sub(around.tick));
         let close = 2.0 * (PERSON_RADIUS + around.max_speed * TICK);
         let jam = JAM + 2.0 * drift(around.max_speed);
-        for (j, pair) in self.near.pairs_of(i) {
+        for &Neighbour { person: j, pair } in self.near.of(i) {
             let other = &self.people[j as usize];
             let (to, closing) =
                 (other.position - person.position, person.velocity - other.velocity);
