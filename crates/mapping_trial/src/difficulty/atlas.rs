@@ -215,8 +215,9 @@ pub fn samples(
 }
 
 fn sample(map: &SurveyMap<'_>, dials: Dials<f64>) -> Result<Sample, ExperimentError> {
-    let failed = |reason: String| {
-        ExperimentError::Report(format!("world {} ({}): {reason}", map.number, map.family.name))
+    let failed = |reason: String| ExperimentError::World {
+        world: format!("world {} ({})", map.number, map.family.name),
+        reason,
     };
     let spec = &map.family.spec;
     let blueprint = spec.generate(map.seed).map_err(|error| failed(error.to_string()))?;

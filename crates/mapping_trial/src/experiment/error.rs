@@ -80,6 +80,14 @@ pub enum ExperimentError {
         /// Why.
         reason: String,
     },
+    /// A world cannot be generated, described or measured.
+    #[error("{world}: {reason}")]
+    World {
+        /// Which world.
+        world: String,
+        /// Why.
+        reason: String,
+    },
     /// A driver failed: of such a trial nothing is kept.
     #[error("world {map} ({family}), condition {condition}: the driver failed: {reason}")]
     Driver {
@@ -98,6 +106,9 @@ pub enum ExperimentError {
     /// The report cannot be drawn.
     #[error("the report cannot be drawn: {0}")]
     Report(String),
+    /// The same error as that of another thread.
+    #[error("{0}")]
+    Again(String),
 }
 
 impl ExperimentError {
@@ -110,7 +121,7 @@ impl ExperimentError {
                 seed: *seed,
                 reason: reason.clone(),
             },
-            other => ExperimentError::Report(other.to_string()),
+            other => ExperimentError::Again(other.to_string()),
         }
     }
 }

@@ -117,6 +117,7 @@ pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> 
                 name: format!("{name}, {}", policy_name(policy)),
                 policy,
                 slam: design.slam,
+                wheel_calibration: design.wheel_calibration,
                 laser: laser.clone(),
                 odometry: odometry.clone(),
                 time_limit: design.time_limit,
@@ -234,7 +235,10 @@ mod tests {
     use envgen::scenario::FailedBeams;
 
     use super::*;
+    use crate::lidar::LaserProfile;
+    use crate::odometry::OdometryProfile;
     use crate::score::MovingScores;
+    use crate::slam::{SlamKind, WheelCalibration};
 
     fn design() -> Design {
         Design { levels: vec![1.0, 5.0], maps: 2, size: 6, noise_seeds: 2, ..Design::quick() }
@@ -283,6 +287,28 @@ mod tests {
                      nothing does without doors, people or smoke above 0"
                 )
             );
+        }
+    }
+
+    #[test]
+    fn conditions_are_those_of_the_design() {
+        let design = Design {
+            slam: SlamKind::DeadReckoning,
+            wheel_calibration: WheelCalibration::None,
+            laser: LaserProfile::URG_04LX,
+            odometry: OdometryProfile::EXACT,
+            time_limit: 77.0,
+            time_per_area: Some(1.5),
+            ..design()
+        };
+        let hazards = [Hazard::parse("doors").expect("a hazard")];
+        for condition in survey(&design, &hazards).expect("a survey").conditions {
+            let settings = condition.settings(Seed(0)).expect("settings");
+            assert_eq!(settings.slam, design.slam);
+            assert_eq!(settings.wheel_calibration, design.wheel_calibration);
+            assert_eq!((&settings.laser, &settings.odometry), (&design.laser, &design.odometry));
+            assert_eq!(settings.time_limit, design.time_limit);
+            assert_eq!(settings.time_per_area, design.time_per_area);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The file of trials: a line is written whole or not at all.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -24,12 +24,37 @@ pub(crate) struct Lines {
 impl Lines {
     /// Opens the file, and locks it for this process. A last line without its line end is cut off.
     pub(crate) fn open(folder: &Path) -> Result<(Self, String), ExperimentError> {
+        let mut lines = Lines::lock(folder)?;
+        let path = lines.path.clone();
+        let mut bytes = Vec::new();
+        let read = lines.file.read_to_end(&mut bytes);
+        read.map_err(|source| ExperimentError::File { path: path.clone(), source })?;
+        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        bytes.truncate(whole);
+        lines.cut(whole as u64)?;
+        let text = String::from_utf8(bytes).map_err(|_| ExperimentError::Content {
+            path,
+            reason: "this is not text".to_owned(),
+        })?;
+        Ok((lines, text))
+    }
+
+    /// Opens the file, locks it for this process, and deletes all that it holds.
+    pub(crate) fn emptied(folder: &Path) -> Result<Self, ExperimentError> {
+        let mut lines = Lines::lock(folder)?;
+        lines.cut(0)?;
+        Ok(lines)
+    }
+
+    fn lock(folder: &Path) -> Result<Self, ExperimentError> {
         let path = folder.join(TRIALS);
         let error = |source| ExperimentError::File { path: path.clone(), source };
+        // Appended to: a line that was written in part and cut off leaves no gap.
         let mut options = OpenOptions::new();
-        options.read(true).write(true).create(true).truncate(false);
-        let mut file = options.open(&path).map_err(error)?;
-        if !file.metadata().map_err(error)?.is_file() {
+        options.read(true).append(true).create(true);
+        let file = options.open(&path).map_err(error)?;
+        let metadata = file.metadata().map_err(error)?;
+        if !metadata.is_file() {
             let reason = "this is not a file".to_owned();
             return Err(ExperimentError::Content { path, reason });
         }
@@ -37,17 +62,15 @@ impl Lines {
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(ExperimentError::Busy(folder.to_owned()));
         }
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(error)?;
-        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
-        bytes.truncate(whole);
-        file.set_len(whole as u64).map_err(error)?;
-        file.seek(SeekFrom::End(0)).map_err(error)?;
-        let text = String::from_utf8(bytes).map_err(|_| ExperimentError::Content {
-            path: path.clone(),
-            reason: "this is not text".to_owned(),
-        })?;
-        Ok((Lines { path, file, len: whole as u64 }, text))
+        Ok(Lines { path, file, len: metadata.len() })
+    }
+
+    /// Leaves the first so many bytes.
+    fn cut(&mut self, len: u64) -> Result<(), ExperimentError> {
+        let error = |source| ExperimentError::File { path: self.path.clone(), source };
+        self.file.set_len(len).map_err(error)?;
+        self.len = len;
+        Ok(())
     }
 
     /// Adds a trial; if that fails, nothing of it stays if the disk allows.
@@ -108,6 +131,20 @@ pub(crate) fn line<T: Serialize>(record: &T, path: &Path) -> Result<Vec<u8>, Exp
 mod tests {
     use super::*;
     use crate::experiment::tests::record;
+
+    #[test]
+    fn a_line_after_one_that_was_cut_off_leaves_no_gap() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut lines, _) = Lines::open(folder.path()).unwrap();
+        lines.append(&record(0, 0, 0, 1.0)).unwrap();
+        lines.file.write_all(b"half a li").unwrap();
+        lines.cut(lines.len).unwrap();
+        lines.append(&record(0, 1, 0, 1.0)).unwrap();
+        drop(lines);
+        let (lines, text) = Lines::open(folder.path()).unwrap();
+        assert_eq!((text.lines().count(), text.len() as u64), (2, lines.len));
+        assert!(text.lines().all(|line| line.starts_with('{') && line.ends_with('}')), "{text}");
+    }
 
     #[test]
     fn a_full_disk_is_reported() {

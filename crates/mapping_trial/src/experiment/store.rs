@@ -1,7 +1,6 @@
 //! The folder of an experiment.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -98,16 +97,14 @@ impl Experiment {
     /// As [`Experiment::open`].
     pub fn fresh(folder: &Path, design: &Design, shard: Shard) -> Result<Self, ExperimentError> {
         design.validate()?;
-        for name in [HEAD, TRIALS] {
-            let path = folder.join(name);
-            match std::fs::remove_file(&path) {
-                Err(source) if source.kind() != io::ErrorKind::NotFound => {
-                    return Err(ExperimentError::File { path, source });
-                }
-                _ => {}
-            }
-        }
-        Experiment::open(folder, design, shard)
+        shard.validate()?;
+        write::folder(folder)?;
+        // Locked before anything is deleted: another process may be writing.
+        let lines = Lines::emptied(folder)?;
+        let head = Head { version: EXPERIMENT_VERSION, shard, design: design.clone() };
+        head::write(&folder.join(HEAD), &head)?;
+        let (folder, trials) = (folder.to_owned(), share(&head));
+        Ok(Experiment { folder, head, trials, records: BTreeMap::new(), lines })
     }
 
     /// Joins the shares of an experiment in a folder of its own. Shares may overlap.

@@ -247,7 +247,16 @@ fn folders_of_other_experiments_are_refused() {
     assert!(open(&design, Shard::WHOLE).contains("this is not an experiment"));
     fs::remove_file(&head).unwrap();
     assert!(open(&design, Shard::WHOLE).contains("no experiment.json"));
-    // A new experiment works.
+    // A new experiment works, but not while another process writes to this one.
+    drop(Experiment::fresh(folder.path(), &design, Shard::WHOLE).expect("a folder"));
+    let running = run(folder.path(), &design, Shard::WHOLE, 2);
+    let lines = folder.path().join("trials.jsonl");
+    let (head_before, lines_before) = (fs::read(&head).unwrap(), fs::read(&lines).unwrap());
+    let other = Design { maps: 3, ..design.clone() };
+    let busy = Experiment::fresh(folder.path(), &other, Shard::WHOLE).expect_err("busy");
+    assert!(matches!(busy, ExperimentError::Busy(_)), "{busy}");
+    assert_eq!((fs::read(&head).unwrap(), fs::read(&lines).unwrap()), (head_before, lines_before));
+    drop(running);
     drop(Experiment::fresh(folder.path(), &design, Shard::WHOLE).expect("a folder"));
     drop(Experiment::open(folder.path(), &design, Shard::WHOLE).expect("again"));
 }

@@ -188,7 +188,10 @@ fn races(
         }
         let found = pool
             .install(|| verified(&map.spec, seed, &panel, reference_scale(), 1, &mut |_| ()))
-            .map_err(|error| ExperimentError::Report(format!("seed {seed}: {error}")))?;
+            .map_err(|error| ExperimentError::World {
+                world: format!("the verified map of seed {seed}"),
+                reason: error.to_string(),
+            })?;
         map.spec.candidate = found.candidate;
         lines.append(&Winner { seed, spec: map.spec.clone() })?;
         if watch("race", done, all).is_break() {
