@@ -376,8 +376,9 @@ fn unfinished_and_foreign_atlases_are_refused() {
     assert!(!at.join("new.json").exists());
 }
 
-/// A session of two seconds in a map of its own, with the files of a window: log and report.
-fn session(folder: &Path, name: &str, seed: u64, rating: f64) {
+/// A session of two seconds in a map of its own, with the files of a window: log and report. A program drives, and fills
+/// the form, but for the rating of a person if there is one.
+fn session(folder: &Path, name: &str, seed: u64, rating: Option<f64>) {
     let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
     let world = spec.generate(Seed(seed)).expect("a plan").to_world();
     let settings = TrialSettings {
@@ -389,8 +390,12 @@ fn session(folder: &Path, name: &str, seed: u64, rating: f64) {
     while trial.step() {}
     let truth = trial.reference(&world).expect("a reference");
     let mut report = trial.report(&world, &truth).expect("a report");
-    let form = report.feedback.as_mut().expect("a form");
-    form.difficulty = Rating::try_from(rating).expect("a rating");
+    assert!(report.is_form_measured());
+    if let Some(rating) = rating {
+        let form = report.feedback.as_mut().expect("a form");
+        form.difficulty = Rating::try_from(rating).expect("a rating");
+        assert!(!report.is_form_measured());
+    }
     let folder = folder.join(name);
     std::fs::create_dir(&folder).expect("a folder");
     std::fs::write(folder.join("report.json"), serde_json::to_vec(&report).expect("JSON"))
@@ -404,9 +409,10 @@ fn ratings_of_three_sessions_are_linked() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
     for (name, seed, rating) in [("001", 1, 2.0), ("002", 2, 5.0), ("003", 3, 8.0)] {
-        session(at, name, seed, rating);
+        session(at, name, seed, Some(rating));
     }
-    session(at, "004_training", 4, 9.0);
+    session(at, "004_training", 4, Some(9.0));
+    session(at, "005", 5, None);
     let linked = |reports: &[&str]| {
         let output = run(at, &[&["link"], reports].concat());
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -425,6 +431,12 @@ fn ratings_of_three_sessions_are_linked() {
         four.contains("left out: 004_training/report.json: the true world was shown"),
         "{four}"
     );
+    let watched = linked(&["001/report.json", "005/report.json"]);
+    let reason = "005/report.json: a program drove, and filled the form from measurements";
+    assert!(watched.contains(&format!("left out: {reason}")), "{watched}");
+    let inside = run(&at.join("004_training"), &["link", "report.json"]);
+    let inside = String::from_utf8(inside.stdout).expect("text");
+    assert!(inside.contains("left out: report.json: the true world was shown"), "{inside}");
     let json = linked(&[&all[..], &["--json"]].concat());
     let json: Value = serde_json::from_str(&json).expect("JSON");
     // Linked ratings have the mean of the panel's difficulties.

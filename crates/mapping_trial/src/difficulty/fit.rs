@@ -3,6 +3,7 @@
 use envgen::calibration::{Atlas, Calibration, DialModels, Dials, Input, LinearModel, Scale};
 use envgen::difficulty::{DifficultyVector, Platform};
 use envgen::{World, WorldKind, WorldSpec};
+use thiserror::Error;
 
 use super::ridge;
 
@@ -45,8 +46,27 @@ impl Sample {
     }
 }
 
+/// The fewest samples that models are fitted to: one for each fold of the cross-validation.
+pub const LEAST_SAMPLES: usize = ridge::FOLDS;
+
+/// So few samples say nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("all trials of {0} worlds are finished, expected at least {LEAST_SAMPLES}")]
+pub struct TooFewSamples(pub usize);
+
 /// Fits all models to the samples of an atlas of worlds of a kind.
-pub fn calibrate(kind: WorldKind, atlas: Atlas, scale: Scale, samples: &[Sample]) -> Calibration {
+///
+/// # Errors
+/// Fewer than [`LEAST_SAMPLES`].
+pub fn calibrate(
+    kind: WorldKind,
+    atlas: Atlas,
+    scale: Scale,
+    samples: &[Sample],
+) -> Result<Calibration, TooFewSamples> {
+    if samples.len() < LEAST_SAMPLES {
+        return Err(TooFewSamples(samples.len()));
+    }
     let names = DifficultyVector::features();
     let features = names.iter().enumerate().map(|(i, feature)| {
         (feature.name, samples.iter().map(|sample| sample.features[i]).collect())
@@ -57,14 +77,14 @@ pub fn calibrate(kind: WorldKind, atlas: Atlas, scale: Scale, samples: &[Sample]
     });
     let dials: Vec<Dials<f64>> = samples.iter().map(|sample| sample.dials).collect();
     let atlas = Atlas { dials: sorted(&dials), ..atlas };
-    Calibration {
+    Ok(Calibration {
         version: CALIBRATION_VERSION,
         kind: kind.name().to_owned(),
         atlas,
         scale,
         world: models(features, &dials),
         settings: (terms.len() > 0).then(|| models(terms, &dials)),
-    }
+    })
 }
 
 /// The values of each dial in order, to a hundredth.
@@ -193,7 +213,10 @@ mod tests {
             ten: zero.map(|_| 10.0),
         };
         let samples = samples();
-        let calibration = calibrate(WorldKind::Indoor, atlas, scale, &samples);
+        let few = &samples[..LEAST_SAMPLES - 1];
+        let error = calibrate(WorldKind::Indoor, atlas.clone(), scale.clone(), few).unwrap_err();
+        assert_eq!(error, TooFewSamples(9));
+        let calibration = calibrate(WorldKind::Indoor, atlas, scale, &samples).unwrap();
         let explained = calibration.world.models.as_ref().map(|model| model.explained);
         assert!(explained.mapping > 0.95, "{explained:?}");
         // The widths of doorways are settings.

@@ -25,7 +25,7 @@ mod verified;
 
 pub use anchors::{Anchors, reference_scale};
 pub use atlas::{AtlasDesign, AtlasSize, samples, table};
-pub use fit::{Sample, calibrate};
+pub use fit::{LEAST_SAMPLES, Sample, TooFewSamples, calibrate};
 pub use measure::{ConditionMean, MeasureError, Measurement, Measuring, measure};
 pub use panel::Panel;
 pub use verified::{NEAR_REQUEST, Verified, VerifyError, most_trials, verified};

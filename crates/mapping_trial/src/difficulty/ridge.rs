@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 const PENALTIES: [f64; 9] = [0.3, 1.0, 3.0, 10.0, 30.0, 60.0, 100.0, 200.0, 400.0];
 
 /// Parts of the data that are left out one after the other.
-const FOLDS: usize = 10;
+pub(super) const FOLDS: usize = 10;
 
 /// A linear model of standardised inputs.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,5 +1,6 @@
 //! The report of a trial, as it is written to a file.
 
+use envgen::calibration::Dials;
 use envgen::scenario::Scenario;
 use envgen::{Provenance, World};
 use serde::{Deserialize, Serialize};
@@ -9,7 +10,7 @@ use super::parts::{ForeignPart, PartRole};
 use super::running::Trial;
 use super::settings::TrialSettings;
 use crate::backend::{RobotBackend, TICK};
-use crate::feedback::{Feedback, Measured, Session};
+use crate::feedback::{Feedback, Measured, Rating, Session};
 use crate::names::Named;
 use crate::score::{Reference, ScoreError, Scores};
 
@@ -53,6 +54,14 @@ impl TrialReport {
     /// The answers to the form's questions about the session, as far as the report knows them.
     pub fn session(&self) -> Session {
         Session::new(&self.world.name(), self.robots.len())
+    }
+
+    /// Whether the ratings of its form are its own scores D, M and N, as they are where a program drove and nobody filled
+    /// the form.
+    pub fn is_form_measured(&self) -> bool {
+        let Scores { difficulty, mapping, navigation, .. } = self.scores;
+        let scores = Dials { difficulty, mapping, navigation };
+        self.feedback.as_ref().is_some_and(|form| form.ratings().map(Rating::value) == scores)
     }
 }
 

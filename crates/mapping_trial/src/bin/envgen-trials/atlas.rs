@@ -43,6 +43,20 @@ impl AtlasKind {
 }
 
 impl DesignOptions {
+    /// The command that measures the atlas.
+    pub(crate) fn command(&self) -> String {
+        match &self.design {
+            Some(path) => format!("envgen-trials atlas --design {}", path.display()),
+            None => {
+                let kind = self.kind.to_possible_value();
+                format!(
+                    "envgen-trials atlas --kind {}",
+                    kind.as_ref().map_or("", |kind| kind.get_name())
+                )
+            }
+        }
+    }
+
     pub(crate) fn read(&self) -> Result<AtlasDesign, Box<dyn Error>> {
         let Some(path) = &self.design else { return Ok(self.kind.design()) };
         let text = std::fs::read_to_string(path).in_file(path)?;

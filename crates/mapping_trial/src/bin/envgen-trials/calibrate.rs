@@ -65,14 +65,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let spinner = spinner("fitting");
     let samples = samples(&survey, &records, &scale)?;
     let atlas = Atlas {
-        command: format!("envgen-trials atlas --kind {}", design.kind().name()),
+        command: arguments.design.command(),
         worlds: samples.len() as u32,
         trials: records.len() as u32,
         digest: Digest::of(&records).to_string(),
         // The fit adds them.
         dials: Dials::default(),
     };
-    let calibration = calibrate(design.kind(), atlas, scale, &samples);
+    let calibration = calibrate(design.kind(), atlas, scale, &samples)?;
     spinner.finish_and_clear();
     let mut text = serde_json::to_vec_pretty(&calibration)?;
     text.push(b'\n');

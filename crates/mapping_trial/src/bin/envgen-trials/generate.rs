@@ -14,6 +14,7 @@ use mapping_trial::difficulty::{NEAR_REQUEST, Panel, Verified, most_trials, veri
 
 use crate::panel::PanelOptions;
 use crate::progress;
+use crate::usage::Usage;
 use crate::warning::warn;
 
 #[derive(Args)]
@@ -47,7 +48,7 @@ impl Arguments {
         for option in &self.settings {
             let (name, value) = option
                 .split_once('=')
-                .ok_or_else(|| format!("--set {option}: is not of the form name=value"))?;
+                .ok_or_else(|| Usage(format!("--set {option}: is not of the form name=value")))?;
             spec.set(name.trim(), value).in_option("--set", option)?;
             names.push(WorldKind::Indoor.setting(name.trim())?.name);
         }
@@ -61,7 +62,8 @@ impl Arguments {
         }
         match spec.validate() {
             Err(error) if error.field == "robot_radius" && !is_given => {
-                return Err(format!("{error}; it is that of the panel's largest robot").into());
+                let text = format!("{error}; it is that of the panel's largest robot");
+                return Err(Usage(text).into());
             }
             checked => checked?,
         }

@@ -91,13 +91,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 fn session(path: &Path) -> Result<Result<Session, String>, Box<dyn Error>> {
     let text = fs::read_to_string(path).in_file(path)?;
     let report: TrialReport = serde_json::from_str(&text).in_file(path)?;
-    let folder = path.parent().and_then(Path::file_name).unwrap_or_default();
+    // Of the path as a whole: a name alone has no folder.
+    let whole = std::path::absolute(path).in_file(path)?;
+    let folder = whole.parent().and_then(Path::file_name).unwrap_or_default();
     if folder.to_string_lossy().ends_with("_training") {
         return Ok(Err("the true world was shown".to_owned()));
     }
-    let Some(feedback) = report.feedback else {
+    let Some(feedback) = report.feedback.clone() else {
         return Ok(Err("the form is not filled".to_owned()));
     };
+    if report.is_form_measured() {
+        return Ok(Err("a program drove, and filled the form from measurements".to_owned()));
+    }
     let log_path = path.with_file_name("log.json");
     let mut log = File::open(&log_path).in_file(&log_path)?;
     let world = TrialLog::read(&mut log).in_file(&log_path)?.world.world().in_file(&log_path)?;

@@ -15,6 +15,7 @@ mod progress;
 mod score;
 mod spinner;
 mod survey;
+mod usage;
 mod warning;
 
 use std::error::Error;
@@ -62,7 +63,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::FAILURE
+            ExitCode::from(if usage::is_usage(&*error) { 2 } else { 1 })
         }
     }
 }

@@ -54,14 +54,14 @@ pub(crate) struct PanelOptions {
     #[arg(long, value_name = "COMMAND", conflicts_with = "policy")]
     driver: Option<String>,
 
-    /// The folder of the anchors' trials, which make the scale of a panel that is not the reference; a panel
-    /// has a folder of its own if none is given.
+    /// The folder of the anchors' trials, which make the scale of a panel; a panel has a folder of its own if none
+    /// is given. The scale of the reference panel is known: it is measured if this option or --anchor-seeds is given.
     #[arg(long, value_name = "FOLDER")]
     anchors: Option<PathBuf>,
 
-    /// Trials per anchor and condition.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    anchor_seeds: u32,
+    /// Trials per anchor and condition, 1 if not given.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    anchor_seeds: Option<u32>,
 }
 
 impl PanelOptions {
@@ -119,11 +119,12 @@ impl PanelOptions {
 
     /// The scale of a panel, whose anchors are measured if need be.
     pub(crate) fn scale(&self, panel: &Panel, threads: usize) -> Result<Scale, Box<dyn Error>> {
-        if *panel == Panel::reference() && self.anchors.is_none() {
+        let is_asked_for = self.anchors.is_some() || self.anchor_seeds.is_some();
+        if *panel == Panel::reference() && !is_asked_for {
             return Ok(reference_scale().clone());
         }
         let anchors = Anchors::first();
-        let survey = anchors.survey(panel, self.anchor_seeds);
+        let survey = anchors.survey(panel, self.anchor_seeds.unwrap_or(1));
         let folder = self.anchors.clone().unwrap_or_else(|| {
             let digest = Digest::of(&survey).to_string();
             PathBuf::from("out").join(format!("anchors-{}", &digest[..12]))
@@ -206,7 +207,7 @@ mod tests {
             policy: None,
             driver: None,
             anchors: None,
-            anchor_seeds: 1,
+            anchor_seeds: None,
         }
     }
 

@@ -1,0 +1,41 @@
+//! Which errors are of the arguments.
+
+use std::error::Error;
+
+use envgen::export::OutputError;
+use envgen::located::Located;
+use envgen::{SettingsError, SpecError};
+use thiserror::Error;
+
+/// Arguments that do not fit.
+#[derive(Debug, Error)]
+#[error("{0}")]
+pub(crate) struct Usage(pub(crate) String);
+
+/// Whether an error is of the arguments, as the command `envgen` counts them.
+pub(crate) fn is_usage(error: &(dyn Error + 'static)) -> bool {
+    error.is::<Usage>()
+        || error.is::<SpecError>()
+        || error.is::<SettingsError>()
+        || error.is::<Located<SpecError>>()
+        || error.is::<Located<SettingsError>>()
+        || error.is::<Located<OutputError>>()
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::located::Locate;
+
+    use super::*;
+
+    #[test]
+    fn errors_of_values_are_of_the_arguments() {
+        let error = || SpecError::new("difficulty", 99, "a number from 0 to 10");
+        let located = Err::<(), _>(error()).in_option("--set", "difficulty=99").unwrap_err();
+        let errors: [Box<dyn Error>; 3] =
+            [error().into(), located.into(), Usage("--set a".to_owned()).into()];
+        assert!(errors.iter().all(|error| is_usage(&**error)));
+        let failed: Box<dyn Error> = "the disk is full".into();
+        assert!(!is_usage(&*failed));
+    }
+}
