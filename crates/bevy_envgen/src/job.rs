@@ -98,6 +98,8 @@ impl GenerationJob {
     #[cfg(feature = "asset")]
     pub(crate) fn fail(&mut self, error: EnvironmentError) {
         self.job = Job::Done(error.into());
+        // The same spec again is a repair.
+        self.spec = None;
     }
 
     /// Waits for its task; false when it has none.

@@ -202,9 +202,16 @@ fn check_radius(radius: f64, tile: f64) -> Result<(), EnvironmentError> {
     Err(EnvironmentError::Stream { field: "radius", value: radius, allowed })
 }
 
-/// Spawns and despawns tiles of all streamed worlds within the budget.
-pub(crate) fn stream_tiles(world: &mut World, streamed: &mut QueryState<Entity, With<Streaming>>) {
-    let roots: Vec<Entity> = streamed.iter(world).collect();
+/// Spawns and despawns tiles of all streamed worlds within the budget. They take turns to be the first, so that none
+/// waits for ever for another that always has something to do.
+pub(crate) fn stream_tiles(
+    world: &mut World,
+    streamed: &mut QueryState<Entity, With<Streaming>>,
+    mut turn: Local<usize>,
+) {
+    let mut roots: Vec<Entity> = streamed.iter(world).collect();
+    *turn = (*turn + 1) % roots.len().max(1);
+    roots.rotate_left(*turn);
     let mut report = StreamingReport::default();
     let start = Instant::now();
     if !roots.is_empty() {

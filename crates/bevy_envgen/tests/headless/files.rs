@@ -93,8 +93,19 @@ fn a_file_that_changes_changes_the_world_and_a_broken_one_does_not() {
         assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed));
     }
 
+    // A mistake that is undone leaves the same spec.
+    fs::write(&file, "Hallway(segments: 40)").unwrap();
+    let is_ready = |app: &mut App| app.world().get(root) == Some(&EnvironmentState::Ready);
+    wait_for(&mut app, "the repair", is_ready);
+    let reported = app.world().resource::<Failures>().0.len();
+    fs::write(&file, "Hallway(segments: 4").unwrap();
+    wait_for(&mut app, "the mistake", |app| app.world().resource::<Failures>().0.len() > reported);
+    fs::write(&file, "Hallway(segments: 40)").unwrap();
+    wait_for(&mut app, "the undone mistake", is_ready);
+    assert_eq!(**truth(&app, root), world_of("Hallway(segments: 40)", 3));
+
     fs::write(&file, "Forest(intensity: 0.02)").unwrap();
-    wait_for(&mut app, "the repair", |app| !truth(app, root).trees.is_empty());
+    wait_for(&mut app, "the other world", |app| !truth(app, root).trees.is_empty());
     assert_eq!(app.world().get(root), Some(&EnvironmentState::Ready));
 }
 

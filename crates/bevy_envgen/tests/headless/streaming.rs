@@ -81,6 +81,25 @@ fn an_endless_forest_is_spawned_around_its_anchor() {
 }
 
 #[test]
+fn a_world_that_always_has_something_to_do_starves_no_other() {
+    let mut app = test_app();
+    app.insert_resource(StreamingBudget::Parts(1));
+    let blocking = |environment: Environment| environment.with_pace(GenerationMode::Blocking);
+    let (_, anchor) = streamed(&mut app, blocking(endless(0.0)), Vec2::ZERO, 40.0);
+    let (other, _) = streamed(&mut app, blocking(endless(0.0)), Vec2::ZERO, 10.0);
+    for frame in 0..400 {
+        // Farther than the window is wide: all of it is to be spawned.
+        let at = Vec3::X * 100.0 * frame as f32;
+        app.world_mut().get_mut::<Transform>(anchor).unwrap().translation = at;
+        step(&mut app, 1);
+        if app.world().get(other) == Some(&EnvironmentState::Ready) {
+            return;
+        }
+    }
+    panic!("the other world waits: {:?}", app.world().resource::<StreamingReport>());
+}
+
+#[test]
 fn what_is_spawned_does_not_depend_on_the_path_travelled() {
     let zigzag: Vec<Vec2> =
         (0..90).map(|i| Vec2::new(i as f32 * 3.0, ((i % 7) * 9) as f32 - 30.0)).collect();
