@@ -273,7 +273,7 @@ fn suspend(world: &mut World, entity: Entity) {
     clear(world, entity);
     crate::scenario::remove(world, entity);
     if let Ok(mut root) = world.get_entity_mut(entity) {
-        root.remove::<Streaming>();
+        root.remove::<(GroundTruth, EndlessTruth, Streaming)>();
         root.insert(SpawnedTiles { suspended: true, ..default() });
     }
 }

@@ -68,6 +68,8 @@ pub enum Condition {
     Operational,
     /// It drove into water and can no longer drive.
     Drowned,
+    /// It was removed from the simulation.
+    Removed,
 }
 
 /// A simulator that moves one or more robots in a world and senses for them: the flat simulator or

@@ -66,6 +66,14 @@ impl RapierRobots {
         }
     }
 
+    /// Notes that a robot is no longer there.
+    pub(super) fn remove(&mut self, robot: usize) {
+        if let Some(report) = self.robots.get_mut(robot) {
+            report.condition = Condition::Removed;
+            report.odometry = Increment::default();
+        }
+    }
+
     /// Stores what moves besides.
     pub(super) fn store_scenario(&mut self, state: &ScenarioState) {
         if let Some(scenario) = &mut self.scenario {

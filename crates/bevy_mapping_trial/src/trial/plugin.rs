@@ -47,6 +47,7 @@ impl Plugin for TrialPlugin {
             .register_type::<MappingTrial>()
             .register_type::<TrialRobot>()
             .add_observer(run::leave)
+            .add_observer(run::lose_world)
             .configure_sets(
                 self.schedule,
                 (

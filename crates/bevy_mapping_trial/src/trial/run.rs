@@ -369,6 +369,12 @@ pub(super) fn record(
         if run.trial.is_over() && !warming {
             continue;
         }
+        if warming && run.robots.iter().any(|&robot| commands.get_entity(robot).is_err()) {
+            // It begins again.
+            dismiss(&run.robots, &mut commands);
+            *state = State::Waiting;
+            continue;
+        }
         let known = run
             .robots
             .iter()
@@ -384,6 +390,7 @@ pub(super) fn record(
         for (robot, &body) in run.robots.iter().enumerate() {
             let Ok((pose, bumper, condition, wheels, scan, mut battery)) = robots.get_mut(body)
             else {
+                run.trial.bodies_mut().remove(robot);
                 continue;
             };
             battery.left = left;
@@ -432,6 +439,19 @@ pub(crate) fn in_world(
     let turn = to_world.matrix3.x_axis;
     let heading = pose.heading + libm::atan2(turn.y, turn.x);
     Pose { position: position + environment.origin, heading: envgen::geometry::wrap_angle(heading) }
+}
+
+/// Despawns the robots of a trial whose environment loses its world. It begins again when there is one.
+pub(super) fn lose_world(
+    lost: On<Remove, GroundTruth>,
+    mut trials: Query<&mut MappingTrial>,
+    mut commands: Commands,
+) {
+    let Ok(mut trial) = trials.get_mut(lost.entity) else { return };
+    dismiss(trial.robots(), &mut commands);
+    if matches!(trial.state, State::Warming(_) | State::Running(_)) {
+        trial.state = State::Waiting;
+    }
 }
 
 /// Despawns the robots of a removed trial, and lets the scenario go on that waited for it.

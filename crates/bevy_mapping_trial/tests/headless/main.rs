@@ -9,6 +9,7 @@ mod heights;
 #[cfg(feature = "debug")]
 #[path = "../../../bevy_envgen/tests/shared/inspector.rs"]
 mod inspector;
+mod losses;
 mod other_plugins;
 mod robot;
 mod scenario;

@@ -23,7 +23,7 @@ fn hallway() -> EnvWorld {
     HallwaySpec { segments: 4, ..Default::default() }.generate(Seed(7)).unwrap().to_world()
 }
 
-fn short(time_limit: f64) -> TrialSettings {
+pub(crate) fn short(time_limit: f64) -> TrialSettings {
     TrialSettings { time_limit, ..TrialSettings::default() }
 }
 
@@ -61,7 +61,7 @@ fn a_trial_runs_again_from_its_log_to_the_bit() {
 }
 
 /// An app as a user writes it, in which an update is a tick.
-fn app(steps: f64) -> App {
+pub(crate) fn app(steps: f64) -> App {
     app_with_frames(steps, steps)
 }
 
@@ -79,9 +79,9 @@ fn app_with_frames(steps: f64, frames: f64) -> App {
 }
 
 #[derive(Resource, Default)]
-struct Told(Vec<String>);
+pub(crate) struct Told(pub(crate) Vec<String>);
 
-fn listen(app: &mut App) {
+pub(crate) fn listen(app: &mut App) {
     app.init_resource::<Told>();
     app.add_observer(|_: On<TrialStarted>, mut reported: ResMut<Told>| {
         reported.0.push("started".into())
@@ -94,11 +94,11 @@ fn listen(app: &mut App) {
     });
 }
 
-fn environment() -> Environment {
+pub(crate) fn environment() -> Environment {
     Environment::prebuilt(hallway()).with_pace(GenerationMode::Blocking)
 }
 
-fn robots(app: &mut App) -> usize {
+pub(crate) fn robots(app: &mut App) -> usize {
     app.world_mut().query::<&TrialRobot>().iter(app.world()).count()
 }
 

@@ -34,6 +34,8 @@ pub enum EndReason {
     TimeLimit,
     /// A person ended the trial.
     Stopped,
+    /// It was removed from the simulation.
+    Removed,
 }
 
 impl EndReason {
@@ -47,6 +49,7 @@ impl EndReason {
             EndReason::Battery => "battery empty",
             EndReason::TimeLimit => "time up",
             EndReason::Stopped => "stopped",
+            EndReason::Removed => "removed",
         }
     }
 }

@@ -67,6 +67,15 @@ pub struct Trial<B> {
     pub(super) scenario: Option<Box<(Scenario, SweptCells)>>,
 }
 
+/// Why a robot's part ends whatever it decides; `None` while it can drive.
+fn lost(condition: Condition) -> Option<EndReason> {
+    match condition {
+        Condition::Operational => None,
+        Condition::Drowned => Some(EndReason::Drowned),
+        Condition::Removed => Some(EndReason::Removed),
+    }
+}
+
 impl<B: RobotBackend> Trial<B> {
     /// One tick, driven by the policy; false once the trial is over.
     pub fn step(&mut self) -> bool {
@@ -132,8 +141,8 @@ impl<B: RobotBackend> Trial<B> {
                 Some(EndReason::Battery)
             } else if seen.time >= self.settings.time_limit {
                 Some(EndReason::TimeLimit)
-            } else if self.bodies.condition(robot) == Condition::Drowned {
-                Some(EndReason::Drowned)
+            } else if let Some(reason) = lost(self.bodies.condition(robot)) {
+                Some(reason)
             } else if let Some(manual) = manual {
                 *command = manual.get(robot).copied().unwrap_or(Command::STOP).finite();
                 None

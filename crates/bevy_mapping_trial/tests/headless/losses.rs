@@ -1,0 +1,95 @@
+//! Trials that lose their world or their robots.
+
+use bevy::prelude::*;
+use bevy_envgen::prelude::*;
+use bevy_envgen::testing::{in_rapier, step};
+use bevy_mapping_trial::prelude::*;
+use mapping_trial::trial::{EndReason, TrialSettings};
+
+use crate::trial::{Told, app, environment, listen, robots, short};
+
+fn reported(app: &App) -> &[String] {
+    &app.world().resource::<Told>().0
+}
+
+fn trial(app: &App, root: Entity) -> &MappingTrial {
+    app.world().get(root).expect("a trial")
+}
+
+/// An environment with a trial that runs.
+fn running(app: &mut App, settings: TrialSettings) -> Entity {
+    listen(app);
+    let root = app.world_mut().spawn((environment(), MappingTrial::new(settings))).id();
+    step(app, 20);
+    assert_eq!(reported(app), ["started"]);
+    root
+}
+
+#[test]
+fn a_trial_stops_with_its_environment_and_begins_again_with_another() {
+    let mut app = app(20.0);
+    let root = running(&mut app, short(60.0));
+    app.world_mut().entity_mut(root).remove::<Environment>();
+    step(&mut app, 20);
+    assert_eq!((robots(&mut app), in_rapier(&mut app)), (0, (0, 0)));
+    assert!(trial(&app, root).trial().is_none());
+    assert_eq!(reported(&app), ["started"]);
+    app.world_mut().entity_mut(root).insert(environment());
+    step(&mut app, 20);
+    assert_eq!(reported(&app), ["started", "started"]);
+    assert_eq!(robots(&mut app), 1);
+}
+
+#[test]
+fn no_trial_runs_in_an_environment_that_is_tilted() {
+    let mut app = app(20.0);
+    let root = running(&mut app, short(60.0));
+    let tilted = Transform::from_rotation(Quat::from_rotation_x(0.3));
+    app.world_mut().entity_mut(root).insert(tilted);
+    step(&mut app, 20);
+    assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed));
+    assert_eq!((robots(&mut app), in_rapier(&mut app)), (0, (0, 0)));
+    // Nor does one begin.
+    app.world_mut().entity_mut(root).insert(MappingTrial::new(short(60.0)));
+    step(&mut app, 20);
+    assert_eq!((robots(&mut app), reported(&app).len()), (0, 1));
+    app.world_mut().entity_mut(root).insert(Transform::IDENTITY);
+    step(&mut app, 20);
+    assert_eq!(reported(&app), ["started", "started"]);
+    assert_eq!(robots(&mut app), 1);
+}
+
+#[test]
+fn a_robot_that_is_despawned_ends_its_part() {
+    let mut app = app(20.0);
+    let root = running(&mut app, TrialSettings { robots: 2, ..short(20.0) });
+    let gone = trial(&app, root).robots()[1];
+    app.world_mut().entity_mut(gone).despawn();
+    step(&mut app, 40);
+    let found = trial(&app, root).trial().expect("a trial");
+    assert_eq!(found.end_of(1).map(|end| end.reason), Some(EndReason::Removed));
+    assert_eq!(found.end_of(0), None);
+    // It stays where it was, in truth and in its own estimate.
+    let estimated = found.autonomy().slam().trajectory(1);
+    assert_eq!(estimated.last().copied(), estimated.get(estimated.len() - 2).copied());
+    step(&mut app, 400);
+    assert_eq!(reported(&app), ["started", "ended"]);
+}
+
+#[test]
+fn robots_that_are_despawned_before_the_start_are_spawned_again() {
+    let mut app = app(20.0);
+    listen(&mut app);
+    let despawn_first =
+        |added: On<Add, TrialRobot>, mut count: Local<u32>, mut commands: Commands| {
+            *count += 1;
+            if *count == 1 {
+                commands.entity(added.entity).despawn();
+            }
+        };
+    app.add_observer(despawn_first);
+    app.world_mut().spawn((environment(), MappingTrial::new(short(60.0))));
+    step(&mut app, 20);
+    assert_eq!(reported(&app), ["started"]);
+    assert_eq!(robots(&mut app), 1);
+}
