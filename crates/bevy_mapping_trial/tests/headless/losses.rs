@@ -80,14 +80,17 @@ fn a_robot_that_is_despawned_ends_its_part() {
 fn robots_that_are_despawned_before_the_start_are_spawned_again() {
     let mut app = app(20.0);
     listen(&mut app);
-    let despawn_first =
-        |added: On<Add, TrialRobot>, mut count: Local<u32>, mut commands: Commands| {
-            *count += 1;
-            if *count == 1 {
-                commands.entity(added.entity).despawn();
-            }
-        };
-    app.add_observer(despawn_first);
+    // Between their spawn and the first tick.
+    let despawn_first = |robots: Query<Entity, With<TrialRobot>>,
+                         mut is_done: Local<bool>,
+                         mut commands: Commands| {
+        for robot in robots.iter().filter(|_| !*is_done) {
+            commands.entity(robot).despawn();
+        }
+        *is_done |= !robots.is_empty();
+    };
+    let between = despawn_first.after(TrialSystems::Command).before(TrialSystems::Record);
+    app.add_systems(FixedUpdate, between);
     app.world_mut().spawn((environment(), MappingTrial::new(short(60.0))));
     step(&mut app, 20);
     assert_eq!(reported(&app), ["started"]);
