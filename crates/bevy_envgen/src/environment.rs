@@ -338,7 +338,7 @@ pub enum EnvironmentError {
 }
 
 /// The exact world that is spawned, on the entity of its [`Environment`]: geometry, certificate and
-/// provenance. It is not reflected, so scenes do not hold it: it is generated again.
+/// provenance. There is none while nothing is spawned. It is not reflected, so scenes do not hold it: it is generated again.
 #[derive(Component, Clone, Debug, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct GroundTruth(pub Arc<World>);

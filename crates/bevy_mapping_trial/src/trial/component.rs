@@ -14,8 +14,9 @@ use super::camera::Camera;
 ///
 /// It begins once the world is ready: its robots are spawned as children of the environment, with
 /// the component [`TrialRobot`], and [`TrialStarted`](super::TrialStarted) is triggered. When the
-/// environment gets another world, the trial begins again. Removing the component or despawning the
-/// environment removes the robots. The events are [`TrialStarted`](super::TrialStarted),
+/// environment gets another world, the trial begins again; while it has none, such as while it is
+/// tilted, there are no robots. Removing the component or despawning the environment removes the
+/// robots. A robot that is despawned ends its part in the trial. The events are [`TrialStarted`](super::TrialStarted),
 /// [`TrialEnded`](super::TrialEnded) and [`TrialFailed`](super::TrialFailed).
 #[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
