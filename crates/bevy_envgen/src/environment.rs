@@ -183,6 +183,16 @@ impl Environment {
         Environment { origin, ..self }
     }
 
+    /// The same with an origin near a world: its middle where it reaches farther than 8 km from zero, up to which
+    /// single precision tells millimetres apart, otherwise zero.
+    pub fn with_origin_near(self, world: &World) -> Self {
+        const FAR: f64 = 8192.0;
+        let WorldRect { min, max } = world.bounds;
+        let is_near = min.abs().max(max.abs()).max_element() <= FAR;
+        let origin = if is_near { DVec2::ZERO } else { world.bounds.center().floor() };
+        self.with_origin(origin)
+    }
+
     /// The same with walls, trees and obstacles as entities or as data of their tiles.
     pub fn with_solids(self, solids: SolidStorage) -> Self {
         Environment { solids, ..self }

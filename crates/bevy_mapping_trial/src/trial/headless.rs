@@ -1,5 +1,6 @@
 //! Trials in a headless app that is created for them.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use bevy::app::{PluginsState, TaskPoolPlugin};
@@ -113,7 +114,10 @@ pub(crate) fn drive(
     mut progress: impl FnMut(f64),
     mut ticked: impl FnMut(&mut App),
 ) -> Result<Trial<RapierRobots>, HeadlessError> {
-    let environment = Environment::prebuilt(world).with_pace(GenerationMode::Blocking);
+    let world = Arc::new(world);
+    let environment = Environment::prebuilt(Arc::clone(&world))
+        .with_origin_near(&world)
+        .with_pace(GenerationMode::Blocking);
     let mut root = app.world_mut().spawn((environment, trial));
     if let Some(scenario) = scenario {
         root.insert(EnvironmentScenario::prebuilt(scenario));

@@ -7,9 +7,12 @@ use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::trial::{
     MappingTrialError, RapierRobots, replay_headless, run_headless, run_headless_with,
 };
+use envgen::geometry::{Pose, Rect, Shape};
+use envgen::glam::DVec2;
 use envgen::hallway::HallwaySpec;
 use envgen::indoor::IndoorSpec;
-use envgen::{Blueprint, Seed, Spec, World as EnvWorld};
+use envgen::world::{Wall, WallKind};
+use envgen::{Blueprint, Provenance, Seed, Spec, World as EnvWorld};
 use mapping_trial::backend::Command;
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::lidar::{LaserSensor, NO_ECHO, Scan};
@@ -336,6 +339,38 @@ struct Double;
 impl WheelSensor for Double {
     fn measure(&mut self, motion: Increment, _: f64) -> Increment {
         Increment { distance: 2.0 * motion.distance, ..motion }
+    }
+}
+
+/// A room of 40 x 5 m with its lower left corner at a point.
+fn room_at(corner: DVec2) -> EnvWorld {
+    let bounds = Rect::new(corner, corner + DVec2::new(40.0, 5.0));
+    let mut world = EnvWorld::new(Provenance::other("test", serde_json::Value::Null), bounds);
+    let corners = Shape::from_rect(bounds).corners();
+    world.walls = (0..4)
+        .map(|i| Shape::Segment { a: corners[i], b: corners[(i + 1) % 4] })
+        .map(|shape| Wall::new(WallKind::Wall, shape))
+        .collect();
+    world.start = Some(Pose { position: corner + 1.5, heading: 0.3 });
+    world
+}
+
+#[test]
+fn robots_drive_far_from_the_origin_as_near_it() {
+    // As a map in coordinates of a country has it.
+    let far = DVec2::new(500_000.0, 4_200_000.0);
+    let end = |corner: DVec2| {
+        let rapier = run_headless(&room_at(corner), short(20.0), |_| ()).unwrap();
+        let mut flat = Trial::flat(&room_at(corner), short(20.0)).unwrap();
+        while flat.step() {}
+        [rapier.trajectory(0), flat.trajectory(0)].map(|track| {
+            assert!(track.distance > 4.0, "{corner}: {}", track.distance);
+            track.poses.last().unwrap().position - corner
+        })
+    };
+    for (near, far) in end(DVec2::ZERO).into_iter().zip(end(far)) {
+        // Rounding differs, and with it a plan now and then.
+        assert!(near.distance(far) < 0.5, "{near} {far}");
     }
 }
 

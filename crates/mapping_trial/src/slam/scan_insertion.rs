@@ -7,7 +7,7 @@ use super::sweep::{REACH, Sweep};
 use crate::map::{CLAMP, HIT, MISS, OccupancyMap, RESOLUTION, TILE};
 
 /// Greatest distance from the origin in metres at which anything is drawn.
-const FARTHEST: f64 = 1e5;
+const FARTHEST: f64 = 2e7;
 
 /// Fraction bits of the fixed-point coordinates, in cells, along which rays are walked.
 const FRACTION: u32 = 16;
@@ -39,7 +39,7 @@ impl ScanInserter {
     }
 
     /// Draws a scan that was taken from `pose`, with the laser at `laser` in the robot's frame, and
-    /// announces the change. Nothing is drawn from poses beyond 100 km.
+    /// announces the change. Nothing is drawn from poses beyond 20,000 km.
     ///
     /// ```
     /// use envgen::geometry::Pose;
