@@ -12,7 +12,8 @@ const AS_FINE: f64 = 1.0 - 1e-6;
 
 impl OccupancyMap {
     /// The map as a file for ROS: the smallest one around all tiles that were ever
-    /// written; one unknown cell if there are no tiles.
+    /// written; one unknown cell if there are no tiles. Its cells are those of the map, or 2, 4, ... times as
+    /// wide where they would be more than [`MAX_CELLS`], as of maps of more than 400 x 400 m.
     ///
     /// ```
     /// use envgen::geometry::Pose;
@@ -44,30 +45,40 @@ impl OccupancyMap {
                 cells: vec![RosCell::Unknown],
             });
         };
-        let side = TILE as usize;
-        let (cols, rows) = ((right - left + 1) as usize * side, (high - low + 1) as usize * side);
-        if cols as u64 * rows as u64 > MAX_CELLS {
-            let (cols, rows) = (cols as f64, rows as f64);
-            let most = MAX_CELLS;
-            return Err(OccupancyError::Size { resolution: RESOLUTION, cols, rows, most });
+        let tiles = [right - left + 1, high - low + 1].map(|tiles| tiles as u64);
+        // Cells of the file along a tile, and how often those of the map are doubled.
+        let (mut side, mut doublings) = (u64::from(TILE.unsigned_abs()), 0);
+        let size = |side: u64| tiles.map(|tiles| tiles * side);
+        let fits = |[cols, rows]: [u64; 2]| cols * rows <= MAX_CELLS;
+        while side > 1 && !fits(size(side)) {
+            (side, doublings) = (side / 2, doublings + 1);
         }
+        let resolution = RESOLUTION * f64::from(1_u32 << doublings);
+        if !fits(size(side)) {
+            let [cols, rows] = size(side).map(|count| count as f64);
+            return Err(OccupancyError::Size { resolution, cols, rows, most: MAX_CELLS });
+        }
+        let [cols, rows] = size(side).map(|count| count as usize);
+        let side = side as usize;
         let mut cells = vec![RosCell::Unknown; cols * rows];
         for ((col, row), tile) in self.tiles() {
             let (x, y) = ((col - left) as usize * side, (row - low) as usize * side);
-            for (i, odds) in tile.chunks_exact(side).enumerate() {
-                let start = (y + i) * cols + x;
-                for (cell, &odds) in cells[start..start + side].iter_mut().zip(odds) {
+            for (i, odds) in tile.chunks_exact(TILE as usize).enumerate() {
+                let start = (y + (i >> doublings)) * cols + x;
+                for (j, &odds) in odds.iter().enumerate() {
+                    let cell = &mut cells[start + (j >> doublings)];
+                    // A wall in a part of a cell fills it.
                     *cell = match odds {
                         odds if odds > DECIDED => RosCell::Occupied,
-                        odds if odds < -DECIDED => RosCell::Free,
-                        _ => RosCell::Unknown,
+                        odds if odds < -DECIDED && *cell == RosCell::Unknown => RosCell::Free,
+                        _ => *cell,
                     };
                 }
             }
         }
         let corner = DVec2::new(f64::from(left), f64::from(low)) * (f64::from(TILE) * RESOLUTION);
         let origin = Pose { position: corner, heading: 0.0 };
-        Ok(RosMap { cols, resolution: RESOLUTION, origin, cells })
+        Ok(RosMap { cols, resolution, origin, cells })
     }
 
     /// A map of ROS in the world's frame, where `frame` is the pose of its own frame in the world's.
@@ -298,10 +309,22 @@ mod tests {
     }
 
     #[test]
-    fn a_map_that_is_too_large_for_a_file_is_an_error() {
+    fn a_map_that_is_too_large_for_a_file_has_coarser_cells() {
         let mut map = OccupancyMap::new();
-        map.add(CellIndex { col: 0, row: 0 }, CLAMP);
+        map.add(CellIndex { col: 0, row: 0 }, -CLAMP);
+        map.add(CellIndex { col: 9, row: 7 }, CLAMP);
+        // Beside the wall, in the same cell of the file.
+        map.add(CellIndex { col: 10, row: 7 }, -CLAMP);
         map.add(CellIndex { col: 50_000, row: 50_000 }, CLAMP);
-        assert!(matches!(map.to_ros_map(), Err(OccupancyError::Size { .. })));
+        let found = map.to_ros_map().unwrap();
+        assert_eq!((found.resolution, found.cols, found.rows()), (0.4, 6252, 6252));
+        let at = |col: usize, row: usize| found.cells[row * found.cols + col];
+        assert_eq!(
+            [at(0, 0), at(1, 0), at(2, 0)],
+            [RosCell::Free, RosCell::Occupied, RosCell::Unknown]
+        );
+        assert_eq!(at(6250, 6250), RosCell::Occupied);
+        let known = found.cells.iter().filter(|cell| **cell != RosCell::Unknown).count();
+        assert_eq!(known, 3);
     }
 }
