@@ -2,7 +2,9 @@
 //! question ends with an answer or an error.
 
 use std::io::{BufRead, BufReader, Read, Write};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
+use std::sync::mpsc::{
+    Receiver, RecvTimeoutError, SyncSender, TryRecvError, channel, sync_channel,
+};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -46,6 +48,8 @@ pub(super) struct Link {
     /// What is to be written; `None` after the last line.
     lines: Option<SyncSender<Vec<u8>>>,
     events: Receiver<Event>,
+    /// Closed when nothing is to be written any more.
+    written: Receiver<()>,
     /// How long all answers took so far.
     waited: Duration,
 }
@@ -62,9 +66,14 @@ impl Link {
         let (to_events, events) = sync_channel(1);
         let (lines, to_write) = sync_channel(1);
         let broken = to_events.clone();
-        thread::spawn(move || write_lines(input, &to_write, &broken));
+        let (writes, written) = channel::<()>();
+        thread::spawn(move || {
+            write_lines(input, &to_write, &broken);
+            // Says that all is written.
+            drop(writes);
+        });
         thread::spawn(move || read_lines(output, &to_events));
-        Link { limits, lines: Some(lines), events, waited: Duration::ZERO }
+        Link { limits, lines: Some(lines), events, written, waited: Duration::ZERO }
     }
 
     /// Writes a line and waits for the answer. No second question may follow an error.
@@ -99,6 +108,12 @@ impl Link {
         if let Some((lines, line)) = self.lines.take().zip(line) {
             let _ = lines.try_send(line);
         }
+    }
+
+    /// Waits until the last line is written, but not longer than `patience`.
+    pub(super) fn finish_writing(&self, patience: Duration) {
+        // Nothing is ever sent: the other end is dropped.
+        let _ = self.written.recv_timeout(patience);
     }
 }
 
@@ -164,6 +179,7 @@ fn read_line(output: &mut impl BufRead) -> Result<Vec<u8>, LinkError> {
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
+    use std::sync::Mutex;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::sync::mpsc::{Sender, channel};
 
@@ -182,6 +198,31 @@ mod tests {
 
     fn limits(reply: u64, total: u64) -> Limits {
         Limits { reply: Duration::from_millis(reply), total: Duration::from_millis(total) }
+    }
+
+    /// A pipe that takes a while.
+    struct SlowPipe(Arc<Mutex<Vec<u8>>>);
+
+    impl Write for SlowPipe {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            thread::sleep(Duration::from_millis(200));
+            self.0.lock().unwrap().extend_from_slice(bytes);
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn the_last_line_is_waited_for() {
+        let written = Arc::new(Mutex::new(Vec::new()));
+        let mut link =
+            Link::new(SlowPipe(Arc::clone(&written)), std::io::empty(), limits(1000, 1000));
+        link.close(Some(b"the end".to_vec()));
+        link.finish_writing(Duration::from_secs(60));
+        assert_eq!(*written.lock().unwrap(), b"the end\n");
     }
 
     #[test]

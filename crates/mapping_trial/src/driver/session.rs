@@ -239,10 +239,12 @@ impl Session {
         let last = line(&Ended::new(report, self.failure.as_deref()));
         self.link.close(last.ok());
         // A driver that failed may hang; its state no longer matters.
-        if self.failure.is_none()
-            && let Some(process) = &mut self.process
-        {
-            process.ended(FAREWELL);
+        if self.failure.is_none() {
+            // The program may end before the thread that writes.
+            self.link.finish_writing(FAREWELL);
+            if let Some(process) = &mut self.process {
+                process.ended(FAREWELL);
+            }
         }
     }
 }
