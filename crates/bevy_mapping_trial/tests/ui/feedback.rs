@@ -1,10 +1,11 @@
 use crate::screen::{click, show_in};
 use bevy_mapping_trial::ui::*;
 use mapping_trial::feedback::{Session, questions};
+use mapping_trial::robot::Robot;
 
 #[test]
 fn a_form_is_handed_in_when_every_rating_is_given() {
-    let mut form = FeedbackForm::new(Session::new("indoor, seed 3", 2));
+    let mut form = FeedbackForm::new(Session::new("indoor, seed 3", 2, &Robot::default()));
     assert_eq!(form.fill(), Err(Unanswered { question: questions::DIFFICULTY }));
     let size = egui::vec2(480.0, 1200.0);
     assert_eq!(click(size, "Hand in", |ui| form.show(ui, 1000.0)), None);
@@ -22,7 +23,7 @@ fn a_form_is_handed_in_when_every_rating_is_given() {
 
 #[test]
 fn every_question_is_asked() {
-    let mut form = FeedbackForm::new(Session::new("map765", 1));
+    let mut form = FeedbackForm::new(Session::new("map765", 1, &Robot::default()));
     let shown = show_in(egui::vec2(480.0, 1400.0), |ui| drop(form.show(ui, 1300.0)));
     let asked = [
         questions::DIFFICULTY,

@@ -38,8 +38,9 @@ pub enum FeedbackError {
 ///
 /// ```
 /// use mapping_trial::feedback::{Connection, Experience, Session, ask};
+/// use mapping_trial::robot::Robot;
 ///
-/// let session = Session::new("office", 1);
+/// let session = Session::new("office", 1, &Robot::default());
 /// // Name and experience; the session as it is known; three ratings; five answers.
 /// let mut answers = "Ada\nexperimental\n\n\n\n\n6\n5.5\n7\ndoors\nmaze\nlobby\nnone\nno\n".as_bytes();
 /// let mut questions = Vec::new();

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::choice::{Connection, Experience};
 use super::rating::Rating;
+use crate::robot::Robot;
 
 /// The filled form.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,13 +49,17 @@ pub struct Session {
 }
 
 impl Session {
-    /// A run of this crate: robots of this type, under direct control.
-    pub fn new(environment: &str, robots: usize) -> Self {
+    /// A run of this crate: robots of one type, under direct control.
+    pub fn new(environment: &str, robots: usize, robot: &Robot) -> Self {
+        let kind = match *robot == Robot::default() {
+            true => "P3AT".to_owned(),
+            false => format!("robot of {} m x {} m", robot.length, robot.width),
+        };
         Session {
             environment: environment.to_owned(),
             software: format!("mapping_trial {}", env!("CARGO_PKG_VERSION")),
             connection: Connection::Direct,
-            robots: format!("{robots}x P3AT"),
+            robots: format!("{robots}x {kind}"),
         }
     }
 }

@@ -6,13 +6,14 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::mappable_area::tests::room;
+use crate::robot::Robot;
 use crate::score::{Scores, TrajectoryPair};
 
 const ANSWERS: &str = "Okke\n3\n\n\nDistanceOnly\n2x P3AT\n6.5\n7\n5\nwater\nmaze, narrow\nnone\n\
                        dead ends\n\n";
 
 fn session() -> Session {
-    Session::new("map765", 1)
+    Session::new("map765", 1, &Robot::default())
 }
 
 fn asked(answers: &str) -> Result<(Feedback, String), FeedbackError> {
@@ -47,6 +48,12 @@ fn a_person_fills_the_form() {
     assert_eq!(serde_json::from_str::<Feedback>(&json).unwrap(), feedback);
     assert!(json.contains(r#""experience":"single_competition""#), "{json}");
     assert!(json.contains(r#""environment":"map765""#), "{json}");
+}
+
+#[test]
+fn a_session_knows_its_robots() {
+    let other = Robot { length: 0.4, width: 0.3, ..Robot::default() };
+    assert_eq!(Session::new("map765", 2, &other).robots, "2x robot of 0.4 m x 0.3 m");
 }
 
 #[test]

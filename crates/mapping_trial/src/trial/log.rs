@@ -14,15 +14,16 @@ use super::log_world::LogWorld;
 use super::parts::ForeignPart;
 use super::running::Trial;
 use super::settings::TrialSettings;
-use crate::backend::{Command, RobotBackend};
+use crate::backend::{Command, RobotBackend, TICK};
+use crate::setting_limits::MAX_TIME_LIMIT;
 
 /// Version of the logs' layout and of their replay; a log of another version is
 /// refused. 2: robots see water, and estimators find old walls again.
 /// 3: estimators close loops only where the scans then agree, and policies keep to the area to map.
 pub const LOG_VERSION: u32 = 3;
 
-/// Greatest number of commands in a log: a day of eight robots has fewer.
-const MAX_TICKS: u64 = 1 << 24;
+/// Greatest number of commands in a log for each robot: those of the longest trial.
+const MAX_TICKS: u64 = (MAX_TIME_LIMIT / TICK) as u64 + 1;
 
 /// The longest log that is read, in bytes; longer ones are refused before they fill the memory.
 const MAX_BYTES: u64 = 1 << 30;

@@ -53,7 +53,7 @@ pub struct TrialReport {
 impl TrialReport {
     /// The answers to the form's questions about the session, as far as the report knows them.
     pub fn session(&self) -> Session {
-        Session::new(&self.world.name(), self.robots.len())
+        Session::new(&self.world.name(), self.robots.len(), &self.settings.body)
     }
 
     /// Whether the ratings of its form are its own scores D, M and N, as they are where a program drove and nobody filled

@@ -166,6 +166,9 @@ fn bad_logs_are_reported() {
     let mut value: serde_json::Value = serde_json::from_str(&text).expect("a log");
     value["commands"][0][0][2] = u64::MAX.into();
     assert!(error(&value.to_string()).contains("`commands`"));
+    // More than a day.
+    value["commands"][0] = serde_json::json!([[0.0, 0.0, 1_728_002]]);
+    assert!(error(&value.to_string()).contains("at most 1728001 ticks"), "{value}");
 
     let written = |log: &TrialLog| serde_json::to_string(log).expect("a log");
     let mut timeless = log.clone();
