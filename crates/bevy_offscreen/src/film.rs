@@ -84,7 +84,10 @@ impl Film {
                 return Err(CaptureError::OtherSize { found: size, expected: last.size() });
             }
             let Some(changed) = changes(last, picture) else {
-                self.waiting = self.waiting.saturating_add(self.delay);
+                if self.waiting > u16::MAX - self.delay {
+                    self.hold()?;
+                }
+                self.waiting += self.delay;
                 return Ok(());
             };
             area = changed;

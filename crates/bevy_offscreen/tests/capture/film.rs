@@ -56,6 +56,20 @@ fn a_film_plays_what_was_pushed() {
 }
 
 #[test]
+fn what_does_not_move_for_long_is_seen_as_long() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.gif");
+    let mut film = Film::create(&path, 1.0).unwrap();
+    // A frame of a GIF is seen for 655 s at most.
+    for _ in 0..1500 {
+        film.push(&picture(5, 5, 1)).unwrap();
+    }
+    film.finish().unwrap();
+    let hundredths: Vec<u32> = play(&path).iter().map(|(_, delay)| u32::from(*delay)).collect();
+    assert_eq!(hundredths.iter().sum::<u32>(), 150_000, "{hundredths:?}");
+}
+
+#[test]
 fn frames_of_a_film_have_one_size() {
     let folder = tempfile::tempdir().unwrap();
     let mut film = Film::create(folder.path().join("film.gif"), 10.0).unwrap();
