@@ -222,6 +222,10 @@ fn impossible_arguments_are_reported() {
     fs::write(&wide, "Forest(width: -6)").expect("a file");
     let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);
     assert!(error.contains("wide.envgen.ron: `width` must be"), "{error}");
+    // A start that a trial could have, but no score.
+    fs::write(&wide, "Hallway(segments: 3, width: 0.715)").expect("a file");
+    let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);
+    assert!(error.contains("`start` must be on ground to drive on with 0.36 m"), "{error}");
     assert!(EXAMPLE.error(&["--policy", "chauffeur"], &out).contains("nearest, info_gain"));
     assert!(EXAMPLE.error(&["--start", "1,2,3,4"], &out).contains("x,y,heading"));
     assert!(EXAMPLE.error(&["--start", "-50,0,0"], &out).contains("start"));

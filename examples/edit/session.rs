@@ -181,6 +181,8 @@ impl Session {
 
     fn changed(&mut self) {
         self.revision += 1;
+        // What is dragged may have another number now.
+        self.drag = None;
         self.measure_height();
         self.refusal = None;
         self.message.clear();

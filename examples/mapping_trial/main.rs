@@ -53,6 +53,7 @@ use mapping_trial::backend::{RobotBackend, TICK};
 use mapping_trial::driver::Driver;
 use mapping_trial::feedback::ask;
 use mapping_trial::flat::FlatSimulator;
+use mapping_trial::score::Reference;
 use mapping_trial::trial::{
     ForeignPart, PartRole, Trial, TrialBuilder, TrialLog, TrialParts, TrialReport, TrialSettings,
 };
@@ -97,8 +98,13 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let world = arguments.world()?;
         let settings = arguments.settings(&world)?;
         let scenario = arguments.scenario(&world)?;
+        let mut builder = Trial::builder(&world, settings);
+        let setup = builder.setup()?;
+        // A trial that cannot be scored is not run.
+        let start = setup.starts[0].position;
+        let truth = Reference::from_start(&world, &setup.settings.body, start)?;
         // With the time limit that holds, which may depend on the area.
-        let settings = Trial::builder(&world, settings).setup()?.settings.clone();
+        let settings = setup.settings.clone();
         let driver = arguments.start_driver(&world, &settings)?;
         let parts = driver.as_ref().map_or_else(TrialParts::default, Driver::parts);
         let parts = watched(bag.as_ref(), parts);
@@ -109,10 +115,10 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             let moving = (parts, scenario);
             let (trial, pictures) = camera::run(arguments, &world, settings, moving, progress)?;
             bar.finish_and_clear();
-            tell(arguments, &world, &trial, (bag, pictures), clock)?
+            tell(arguments, &world, (&trial, &truth), (bag, pictures), clock)?
         } else {
             let trial = run_flat(&world, settings, parts, scenario, &bar)?;
-            tell(arguments, &world, &trial, (bag, Vec::new()), clock)?
+            tell(arguments, &world, (&trial, &truth), (bag, Vec::new()), clock)?
         };
         if let Some(driver) = driver {
             driver.end(Some(&report));
@@ -138,14 +144,16 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             let progress = |trial: &Trial<FlatSimulator>| bar.set_position(trial.time() as u64);
             log.run_through_with(&mut trial, progress).in_file(path)?;
             bar.finish_and_clear();
-            tell(arguments, &world, &trial, (bag, Vec::new()), clock)?
+            let truth = trial.reference(&world)?;
+            tell(arguments, &world, (&trial, &truth), (bag, Vec::new()), clock)?
         }
         RAPIER => {
             let progress = |time| bar.set_position(time as u64);
             let replayed = camera::replay(arguments, &world, log, parts, progress);
             let (trial, pictures) = replayed.in_file(path)?;
             bar.finish_and_clear();
-            tell(arguments, &world, &trial, (bag, pictures), clock)?
+            let truth = trial.reference(&world)?;
+            tell(arguments, &world, (&trial, &truth), (bag, pictures), clock)?
         }
         other => {
             let text = format!("unknown engine `{other}`, expected `{FLAT}` or `{RAPIER}`");
@@ -185,14 +193,13 @@ fn missing(part: &ForeignPart) -> String {
 fn tell<B: RobotBackend>(
     arguments: &Arguments,
     world: &World,
-    trial: &Trial<B>,
+    (trial, truth): (&Trial<B>, &Reference),
     (bag, pictures): (Option<Bag>, Vec<PathBuf>),
     clock: Instant,
 ) -> Result<TrialReport, Box<dyn Error>> {
     let seconds = clock.elapsed().as_secs_f64();
     let scoring = spinner("scoring");
-    let truth = trial.reference(world)?;
-    let mut report = trial.report(world, &truth)?;
+    let mut report = trial.report(world, truth)?;
     scoring.finish_and_clear();
     say(
         arguments,
@@ -208,7 +215,7 @@ fn tell<B: RobotBackend>(
         report.feedback = Some(ask(&report.session(), &mut answers, &mut questions)?);
     }
     let writing = spinner("writing");
-    let mut paths = output::write(&arguments.out, trial, &truth, &report)?;
+    let mut paths = output::write(&arguments.out, trial, truth, &report)?;
     if let Some(bag) = bag {
         paths.extend(bag.finish(trial, world, &report)?);
     }

@@ -110,6 +110,12 @@ impl Arguments {
         Ok(Beginning::World(Arc::new(world)))
     }
 
+    /// The files that are read.
+    pub(crate) fn inputs(&self) -> Vec<PathBuf> {
+        let world = self.world.iter().flat_map(|path| import::input_files(path));
+        world.chain(self.robot.clone()).collect()
+    }
+
     /// Whether the robots' cameras are drawn.
     pub(crate) fn has_cameras(&self) -> bool {
         !self.no_camera

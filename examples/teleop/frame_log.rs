@@ -2,9 +2,10 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bevy::prelude::*;
+use envgen::whole_file::refuse_inputs;
 
 use crate::session::Session;
 
@@ -13,7 +14,8 @@ use crate::session::Session;
 pub(crate) struct FrameLog(BufWriter<File>);
 
 impl FrameLog {
-    pub(crate) fn create(path: &Path) -> io::Result<Self> {
+    pub(crate) fn create(path: &Path, inputs: &[PathBuf]) -> io::Result<Self> {
+        refuse_inputs(path, inputs)?;
         let mut file = BufWriter::new(File::create(path)?);
         writeln!(file, "frame,seconds,frame_ms,ticks")?;
         Ok(FrameLog(file))

@@ -73,10 +73,9 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let settings = (arguments.settings()?, arguments.scenario()?);
     output::folder(&arguments.out)?;
     let _display = window::find_display()?;
-    let frame_log = arguments
-        .frame_log
-        .as_deref()
-        .map(|path| FrameLog::create(path).in_option("--frame-log", path.display()));
+    let frame_log = arguments.frame_log.as_deref().map(|path| {
+        FrameLog::create(path, &arguments.inputs()).in_option("--frame-log", path.display())
+    });
 
     let mut app = App::new();
     app.add_plugins((

@@ -159,7 +159,8 @@ impl Session {
         let view = TrialView { truth: self.setup.training, ..default() };
         let mut environment = commands.entity(self.world);
         environment.remove::<MappingTrial>();
-        environment.insert((Environment::prebuilt(Arc::clone(world)), view, ShowIn3d));
+        let wanted = Environment::prebuilt(Arc::clone(world)).with_origin_near(world);
+        environment.insert((wanted, view, ShowIn3d));
         self.phase = Phase::Spawning;
     }
 
@@ -174,6 +175,10 @@ impl Session {
         let seed = self.seed_in(truth);
         let begun = || -> Result<_, Box<dyn std::error::Error>> {
             let settings = start::with_start(truth, self.setup.request(seed)?)?;
+            // A trial that cannot be scored does not begin.
+            if let Some(start) = settings.start.or(truth.start) {
+                Reference::from_start(truth, &settings.body, start.position)?;
+            }
             Ok((settings, self.setup.scenario.request()?))
         };
         match begun() {
