@@ -162,6 +162,24 @@ fn geojson_of_others_is_read() {
 }
 
 #[test]
+fn nothing_is_asked_of_the_properties_of_other_geojson() {
+    let properties = r#"{"building": "yes", "height": 12.5, "visible_range": "far", "heading": "N",
+        "center": "Rome", "radius": "wide", "part": 3}"#;
+    let square = r#"{"type": "Polygon", "coordinates": [[[0,0],[4,0],[4,3],[0,0]]]}"#;
+    let point = r#"{"type": "Point", "coordinates": [9,9]}"#;
+    let feature = |geometry: &str| {
+        format!(r#"{{"type": "Feature", "properties": {properties}, "geometry": {geometry}}}"#)
+    };
+    let text = format!(
+        r#"{{"type": "FeatureCollection", "features": [{}, {}]}}"#,
+        feature(square),
+        feature(point)
+    );
+    let world = read_geojson(&mut text.as_bytes()).unwrap();
+    assert_eq!((world.obstacles.len(), world.walls.len()), (1, 0));
+}
+
+#[test]
 fn what_is_wrong_with_geojson_is_named() {
     let text = written(&small(), "a.geojson");
     for (from, to, what) in [

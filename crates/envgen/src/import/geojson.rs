@@ -21,6 +21,20 @@ use crate::world::{
 
 const FORMAT: &str = "GeoJSON";
 
+/// The parts of worlds that a feature can say it is.
+const PARTS: [&str; 10] = [
+    "start",
+    "goal",
+    "victim",
+    "road_strip",
+    "wall",
+    "tree",
+    "room",
+    "doorway",
+    "surface",
+    "obstacle",
+];
+
 /// The most positions that are read.
 const MAX_POSITIONS: usize = 1 << 22;
 
@@ -127,6 +141,18 @@ impl Properties {
         }
     }
 
+    /// A property of a shape, which files of others may use for anything.
+    fn shape<T: DeserializeOwned>(
+        &self,
+        name: &str,
+        allowed: &str,
+    ) -> Result<Option<T>, PlanError> {
+        match self.get(name, allowed) {
+            Err(_) if self.part().is_empty() => Ok(None),
+            found => found,
+        }
+    }
+
     fn number(&self, name: &str) -> Result<Option<f64>, PlanError> {
         self.get(name, "a number")
     }
@@ -228,8 +254,9 @@ impl Properties {
 
     /// The disc that a polygon represents; none where its corners were moved.
     fn disc(&self, corners: &[DVec2]) -> Result<Option<Shape>, PlanError> {
-        let center: Option<[f64; 2]> = self.get("center", "two numbers")?;
-        let (Some(center), Some(radius)) = (center, self.number("radius")?) else {
+        let center: Option<[f64; 2]> = self.shape("center", "two numbers")?;
+        let radius: Option<f64> = self.shape("radius", "a number")?;
+        let (Some(center), Some(radius)) = (center, radius) else {
             return Ok(None);
         };
         let center = DVec2::from_array(center);
@@ -238,10 +265,18 @@ impl Properties {
         Ok(corners.iter().all(is_on_circle).then_some(Shape::Disc { center, radius }))
     }
 
+    /// The part of a world that it says it is; none of files of others.
+    fn part(&self) -> &str {
+        let part = self.properties.get("part").and_then(JsonValue::as_str).unwrap_or_default();
+        if PARTS.contains(&part) { part } else { "" }
+    }
+
     fn add(&self, outlines: Vec<Outline>, world: &mut World) -> Result<(), PlanError> {
-        let part: Option<String> = self.get("part", "a text")?;
-        let part = part.as_deref().unwrap_or_default();
-        let heading = self.number("heading")?.unwrap_or(0.0);
+        let part = self.part();
+        let heading = match part {
+            "start" | "goal" | "victim" => self.number("heading")?.unwrap_or(0.0),
+            _ => 0.0,
+        };
         for outline in outlines {
             match (part, outline) {
                 ("start", Outline::Point(at)) => world.start = Some(Pose { position: at, heading }),
@@ -251,7 +286,7 @@ impl Properties {
                 }
                 ("road_strip", Outline::Line(line)) => self.add_road(&line, world)?,
                 (_, Outline::Point(center)) => {
-                    if let Some(radius) = self.number("radius")? {
+                    if let Some(radius) = self.shape("radius", "a number")? {
                         self.add_shape(part, Shape::Disc { center, radius }, world)?;
                     }
                 }
@@ -271,6 +306,11 @@ impl Properties {
     }
 
     fn add_shape(&self, part: &str, shape: Shape, world: &mut World) -> Result<(), PlanError> {
+        if part.is_empty() {
+            // Files of others have properties of their own, of which nothing is asked.
+            world.obstacles.push(Obstacle::new(ObstacleKind::Other, shape));
+            return Ok(());
+        }
         let visible_range = self.number("visible_range")?;
         let height: Option<Extent> = self.get("height", "a bottom and a top in metres")?;
         // Files state all heights, parts those that are not usual.
@@ -320,7 +360,6 @@ impl Properties {
                 let height = unusual(plain.extent());
                 world.obstacles.push(Obstacle { visible_range, height, ..plain });
             }
-            // Files of others have properties of their own, of which nothing is asked.
             (_, shape) => world.obstacles.push(Obstacle::new(ObstacleKind::Other, shape)),
         }
         Ok(())
