@@ -139,7 +139,9 @@ impl Found {
     /// The bubbles in the cell of a point and around it.
     fn near(&self, p: DVec2) -> impl Iterator<Item = &Bubble> {
         let [col, row] = self.cell(p);
-        let cells = (-1..=1).flat_map(move |i| (-1..=1).map(move |j| [col + i, row + j]));
+        let cells = (-1..=1).flat_map(move |i| {
+            (-1..=1).map(move |j| [col.saturating_add(i), row.saturating_add(j)])
+        });
         cells.filter_map(|cell| self.cells.get(&cell)).flatten()
     }
 

@@ -208,7 +208,9 @@ fn trees_keep(world: &World, distance: f64, torus: Option<DVec2>) -> bool {
     rows.values_mut().for_each(|row| row.sort_by(|a, b| a.x.total_cmp(&b.x)));
     let apart = |a: DVec2, b: DVec2| a.distance_squared(b) >= distance * distance;
     rows.iter().all(|(number, row)| {
-        let above = rows.get(&(number + 1)).map_or(&[][..], Vec::as_slice);
+        // A row beyond all numbers holds everything that is so far.
+        let above = number.checked_add(1).and_then(|above| rows.get(&above));
+        let above = above.map_or(&[][..], Vec::as_slice);
         row.iter().enumerate().all(|(i, &a)| {
             let first = above.partition_point(|b| b.x <= a.x - distance);
             let beside = row[i + 1..].iter().take_while(|b| b.x < a.x + distance);
@@ -301,6 +303,10 @@ mod tests {
             verify(&world).last().unwrap(),
             &(Claim::TreeDistance { distance: 2.0, torus: None }, Verdict::Broken)
         );
+        // Far smaller than any coordinate.
+        let tiny = Claim::TreeDistance { distance: 1e-20, torus: None };
+        world.certificate = vec![tiny];
+        assert_eq!(verify(&world), [(tiny, Verdict::Holds)]);
     }
 
     #[test]

@@ -170,6 +170,11 @@ fn errors_name_what_does_not_fit() {
     assert!(error.starts_with("`doors[0].open` must be a number from 0.5"), "{error}");
     let error = refused(&|s| s.people[2].position = DVec2::ZERO);
     assert!(error.starts_with("`people[2].position` must be a point with 0.25 m"), "{error}");
+    // Where nothing is known of solids.
+    for position in [DVec2::splat(5000.0), DVec2::NAN, DVec2::new(1.0, f64::INFINITY)] {
+        let error = refused(&|s| s.people[2].position = position);
+        assert!(error.starts_with("`people[2].position` must be a point with 0.25 m"), "{error}");
+    }
     let error = refused(&|s| s.people[3].position = s.people[1].position);
     assert!(error.ends_with("people[1] is nearer"), "{error}");
     let error = refused(&|s| s.smoke[0].extinction = -1.0);

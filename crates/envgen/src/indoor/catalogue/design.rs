@@ -287,6 +287,7 @@ fn is_convex(vertices: &[DVec2]) -> bool {
     (3..=MAX_CORNERS).contains(&vertices.len())
         && vertices.iter().all(|v| v.is_finite())
         && signed_area(vertices) > 0.0
+        && edges(vertices).all(|(a, b)| a != b)
         // A star turns left everywhere too, but has corners to the right of its sides.
         && edges(vertices).all(|(a, b)| vertices.iter().all(|&v| (b - a).perp_dot(v - a) >= -1e-9))
 }
@@ -322,6 +323,8 @@ mod tests {
         assert!(error(with(at(f64::NAN, 1.0, 0.5))).contains("finite"));
         let radius = f64::INFINITY;
         assert!(error(with(Shape::Disc { center: DVec2::ONE, radius })).contains("disc"));
+        let closed = vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::ZERO];
+        assert!(error(with(Shape::Polygon { vertices: closed })).contains("convex"));
         let clockwise = vec![DVec2::ZERO, DVec2::ONE, DVec2::X];
         assert!(error(with(Shape::Polygon { vertices: clockwise })).contains("convex"));
         let star: Vec<_> = [0, 2, 4, 1, 3]
