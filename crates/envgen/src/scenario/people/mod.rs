@@ -95,7 +95,7 @@ impl Person {
         if !self.heading.is_finite() {
             return Err(SpecError::new("heading", self.heading, "a finite number"));
         }
-        // Beyond the world, and where a number is none, nothing is known of solids.
+        // Beyond the world, and at NaN, nothing is known of solids.
         let is_inside = space.frame.index_at(self.position).is_some();
         if !is_inside || !space.fits(self.position) {
             let allowed = format!("a point with {PERSON_RADIUS} m of free space around it");
