@@ -348,7 +348,8 @@ pub enum EnvironmentError {
 }
 
 /// The exact world that is spawned, on the entity of its [`Environment`]: geometry, certificate and
-/// provenance. There is none while nothing is spawned. It is not reflected, so scenes do not hold it: it is generated again.
+/// provenance. While nothing is spawned, the component is absent. It is not reflected, so scenes do
+/// not hold it: it is generated again.
 #[derive(Component, Clone, Debug, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct GroundTruth(pub Arc<World>);

@@ -16,8 +16,9 @@ use super::camera::Camera;
 /// the component [`TrialRobot`], and [`TrialStarted`](super::TrialStarted) is triggered. When the
 /// environment gets another world, the trial begins again; while it has none, such as while it is
 /// tilted, there are no robots. Removing the component or despawning the environment removes the
-/// robots. A robot that is despawned ends its part in the trial. The events are [`TrialStarted`](super::TrialStarted),
-/// [`TrialEnded`](super::TrialEnded) and [`TrialFailed`](super::TrialFailed).
+/// robots. A robot that is despawned ends its part in the trial. The events are
+/// [`TrialStarted`](super::TrialStarted), [`TrialEnded`](super::TrialEnded) and
+/// [`TrialFailed`](super::TrialFailed).
 #[derive(Component, Reflect)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]

@@ -178,10 +178,9 @@ fn read_line(output: &mut impl BufRead) -> Result<Vec<u8>, LinkError> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-    use std::sync::Mutex;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::sync::mpsc::{Sender, channel};
+    use std::sync::{Arc, Mutex};
 
     use super::*;
 
