@@ -20,6 +20,7 @@ mod start;
 
 use std::fs::File;
 use std::io::Read;
+use std::iter;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -147,10 +148,11 @@ pub fn read_world(path: &Path) -> Result<World, ImportError> {
 /// The files of which a world is read that no output may replace: the file itself, and the image that the description
 /// of a ROS map names.
 pub fn input_files(path: &Path) -> Vec<PathBuf> {
-    let mut files = vec![path.to_owned()];
     #[cfg(feature = "ros")]
-    files.extend(ros_map::image_of(path));
-    files
+    let image = ros_map::image_of(path);
+    #[cfg(not(feature = "ros"))]
+    let image = None;
+    iter::once(path.to_owned()).chain(image).collect()
 }
 
 /// Reads a world from its JSON file.

@@ -1,5 +1,6 @@
 //! The filled form.
 
+use envgen::calibration::Dials;
 use serde::{Deserialize, Serialize};
 
 use super::choice::{Connection, Experience};
@@ -35,6 +36,16 @@ pub struct Feedback {
     pub other: String,
 }
 
+impl Feedback {
+    /// The ratings, in the order of the dials that they are ratings of.
+    pub fn ratings(&self) -> Dials<Rating> {
+        Dials {
+            difficulty: self.difficulty,
+            mapping: self.mapping,
+            navigation: self.getting_around,
+        }
+    }
+}
 /// What was mapped, and with what.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Session {

@@ -9,7 +9,6 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use thiserror::Error;
 
-use super::form::Feedback;
 use super::rating::Rating;
 use crate::difficulty::Panel;
 use crate::difficulty::proof::Link;
@@ -244,17 +243,6 @@ impl RatingLink {
             Err(_) => f64::INFINITY,
         };
         Interval { value, low: value - half, high: value + half }
-    }
-}
-
-impl Feedback {
-    /// The ratings, in the order of the dials that they are ratings of.
-    pub fn ratings(&self) -> Dials<Rating> {
-        Dials {
-            difficulty: self.difficulty,
-            mapping: self.mapping,
-            navigation: self.getting_around,
-        }
     }
 }
 
