@@ -253,7 +253,7 @@ impl Raycaster {
     }
 
     /// The first part that a ray meets within `max_range` metres; `None` when it meets none, and for a
-    /// negative range or NaN. `heading` is in radians.
+    /// negative range, a position that is not finite, or NaN. `heading` is in radians.
     pub fn cast(&self, from: DVec2, heading: f64, max_range: f64) -> Option<Hit> {
         self.cast_along(from, unit_vector(heading), max_range)
     }
@@ -333,7 +333,7 @@ impl Raycaster {
         // Where the ray enters the grid, and the cell there.
         let (enter, leave) = slab::<true>(from, inverse, origin, self.frame.corner(cols, rows));
         let enter = enter.max(0.0);
-        if !(enter <= leave && enter <= max_range) {
+        if !(from.is_finite() && enter <= leave && enter <= max_range) {
             return None;
         }
         let (col, row) = self.cell_around(from + direction * enter);
@@ -374,7 +374,7 @@ impl Raycaster {
         let GridFrame { origin, cell_size: side, cols, rows } = self.frame;
 
         // Amanatides and Woo, A Fast Voxel Traversal Algorithm for Ray Tracing, 1987.
-        let forward = direction.cmpge(DVec2::ZERO);
+        let forward = inverse.cmpge(DVec2::ZERO); // of -0 it is negative
         let ahead = |cell: usize, forward: bool| (cell + usize::from(forward)) as f64 * side;
         let border = |row: usize, col: usize| {
             let line = DVec2::new(ahead(col, forward.x), ahead(row, forward.y)) + origin;
@@ -582,13 +582,16 @@ impl Outline {
     }
 }
 
-/// Where a ray's line enters and leaves an axis-aligned box. An `AXIAL` ray along the line of a side gives NaN, which
-/// [`f64::min`] and [`f64::max`] ignore; without NaN an instruction each does.
+/// Where a ray's line enters and leaves an axis-aligned box, sides included. An `AXIAL` ray along the line of a side gives
+/// NaN, between the sides all along; without NaN an instruction each does.
 #[inline]
 fn slab<const AXIAL: bool>(from: DVec2, inverse: DVec2, min: DVec2, max: DVec2) -> (f64, f64) {
     let (a, b) = ((min - from) * inverse, (max - from) * inverse);
     if AXIAL {
-        return (a.x.min(b.x).max(a.y.min(b.y)), a.x.max(b.x).min(a.y.max(b.y)));
+        let along = a.is_nan_mask() | b.is_nan_mask();
+        let enter = DVec2::select(along, DVec2::NEG_INFINITY, a.min(b));
+        let leave = DVec2::select(along, DVec2::INFINITY, a.max(b));
+        return (enter.max_element(), leave.min_element());
     }
     let lesser = |a: f64, b: f64| if a < b { a } else { b };
     let greater = |a: f64, b: f64| if a > b { a } else { b };

@@ -171,10 +171,10 @@ fn digests_are_frozen() {
     assert_eq!(
         found,
         [
-            "0cf6af60a9a63488",
-            "49e0d24231201146",
-            "553786bb84dd8b8d",
-            "ffbcc78d26f07a19",
+            "271badf05cf3e7a7",
+            "b90c2c3bdef42ee4",
+            "e1c829e8e391c6c1",
+            "3465ad690bfd4415",
             "865d24ca55da3332",
             "feacba68aac5a90d"
         ]
@@ -196,4 +196,4 @@ fn digests_are_frozen_of_predictions() {
     assert_eq!(found, PREDICTIONS, "{found:#?}");
 }
 
-const PREDICTIONS: [&str; 3] = ["e2e5130c4d05ad2b", "ef2310d417f3361f", "6117b4758fa3ff75"];
+const PREDICTIONS: [&str; 3] = ["50453a5eb4678484", "ef2310d417f3361f", "84b848b91afdab60"];

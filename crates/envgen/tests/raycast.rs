@@ -1,5 +1,7 @@
 //! Rays against brute force and against the raster.
 
+use std::f64::consts::FRAC_PI_2;
+
 use envgen::forest::ForestSpec;
 use envgen::geometry::{Pose, Rect, Shape, edges, unit_vector};
 use envgen::glam::DVec2;
@@ -80,7 +82,7 @@ proptest! {
                 (-12.0..12.0_f64, -12.0..12.0_f64),
                 prop_oneof![
                     -4.0..4.0_f64,
-                    (-4..=4_i32).prop_map(|k| f64::from(k) * std::f64::consts::FRAC_PI_2),
+                    (-4..=4_i32).prop_map(|k| f64::from(k) * FRAC_PI_2),
                 ],
                 prop_oneof![Just(f64::INFINITY), Just(1e9), 0.0..30.0_f64],
             ),
@@ -192,12 +194,55 @@ fn an_empty_world_has_no_ranges() {
 fn nonsense_rays_meet_nothing_and_end() {
     let disc = Shape::Disc { center: DVec2::new(3.0, 0.0), radius: 1.0 };
     let rays = Raycaster::new(&world_of(vec![disc]));
-    for from in [DVec2::NAN, DVec2::splat(f64::INFINITY), DVec2::splat(1e300)] {
-        assert_eq!(rays.cast(from, 0.5, f64::INFINITY), None);
+    let (x_nan, y_nan) = (DVec2::new(f64::NAN, 0.0), DVec2::new(0.0, f64::NAN));
+    for from in [DVec2::NAN, x_nan, y_nan, DVec2::splat(f64::INFINITY), DVec2::splat(1e300)] {
+        for heading in [0.0, 0.5, FRAC_PI_2] {
+            assert_eq!(rays.cast(from, heading, f64::INFINITY), None);
+        }
     }
     assert_eq!(rays.cast(DVec2::ZERO, f64::NAN, 10.0), None);
     assert_eq!(rays.cast(DVec2::ZERO, 0.0, f64::NAN), None);
     assert_eq!(rays.cast(DVec2::ZERO, 0.0, -1.0), None);
+}
+
+#[test]
+fn directions_with_negative_zeros_are_those_with_zeros() {
+    let disc = |x, y| Shape::Disc { center: DVec2::new(x, y), radius: 1.0 };
+    let rays = Raycaster::new(&world_of(vec![
+        disc(9.0, 0.0),
+        disc(0.0, 8.0),
+        disc(-7.0, 0.0),
+        disc(0.0, -6.0),
+    ]));
+    for (direction, distance) in
+        [(DVec2::X, 8.0), (DVec2::Y, 7.0), (DVec2::NEG_X, 6.0), (DVec2::NEG_Y, 5.0)]
+    {
+        for sign in [0.0, -0.0] {
+            let direction = direction.map(|part| if part == 0.0 { sign } else { part });
+            let hit = rays.cast_along(DVec2::ZERO, direction, 20.0);
+            assert_eq!(hit.map(|hit| hit.distance), Some(distance), "{direction}");
+        }
+    }
+}
+
+#[test]
+fn rays_meet_the_joints_of_boxes_that_touch() {
+    let half_size = DVec2::new(1.0, 2.0);
+    let a = DVec2::new(6.0, 2.0);
+    for (i, turn) in [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].into_iter().enumerate() {
+        let half_size = if i % 2 == 0 { half_size } else { half_size.perp().abs() };
+        let rectangle = |center: DVec2| Shape::Box { center, half_size, heading: 0.0 };
+        // The joint is on an axis, which the ray runs along.
+        let (above, below) = (turn.rotate(a), turn.rotate(DVec2::new(a.x, -a.y)));
+        let rays = Raycaster::new(&world_of(vec![rectangle(above), rectangle(below)]));
+        let hit = rays.cast_along(DVec2::ZERO, turn, 20.0);
+        assert_eq!(hit.map(|hit| hit.distance), Some(5.0), "{turn}");
+        // A side is met as well, and what is beside it is not.
+        let one = Raycaster::new(&world_of(vec![rectangle(above)]));
+        assert_eq!(one.cast_along(DVec2::ZERO, turn, 20.0).map(|hit| hit.distance), Some(5.0));
+        let beside = turn.rotate(DVec2::new(0.0, -0.01));
+        assert_eq!(one.cast_along(beside, turn, 20.0), None);
+    }
 }
 
 #[test]
