@@ -12,6 +12,8 @@ const CRUISE: f64 = 0.5;
 /// The limits of driving, computed once per robot. All are in metres, m/s, radians and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Margins {
+    /// How many times longer than a Pioneer 3-AT the robot needs to turn around, or to creep as far; at least 1.
+    pub(super) slowness: f64,
     /// Speed on open ground.
     pub(super) cruise: f64,
     /// Speed at which the robot drives around obstacles that are not on the map.
@@ -41,24 +43,41 @@ pub(crate) fn cruising_speed(robot: &Robot) -> f64 {
     robot.max_speed * (CRUISE * 10.0) / (PIONEER_3AT.max_speed * 10.0)
 }
 
+/// Seconds that a robot needs to turn around from standstill to standstill.
+fn turning_around(robot: &Robot) -> f64 {
+    let Robot { max_turn_rate: rate, turn_acceleration: acceleration, .. } = *robot;
+    match rate * rate / acceleration < PI {
+        true => PI / rate + rate / acceleration,
+        false => 2.0 * (PI / acceleration).sqrt(),
+    }
+}
+
 impl Margins {
     pub(super) fn of(robot: &Robot, laser: &LaserProfile) -> Self {
         let larger = robot.circumscribed_radius - PIONEER_3AT.circumscribed_radius;
         let cruise = cruising_speed(robot);
         let slow = 0.15_f64.min(robot.max_speed);
+        let turns = (turning_around(robot) / turning_around(&PIONEER_3AT)).max(1.0);
+        let slowness = turns.max(0.15 / slow);
         let turn = (1.1 * PI + (PI - laser.field_of_view)).max(0.1 * PI);
         Margins {
+            slowness,
             cruise,
             creep: slow,
             lookahead: (1.2 * cruise).max(0.6),
             feet: 0.4 + larger,
             meeting: 1.4 + 2.0 * larger,
-            survey: (turn, (3.0 * turn / robot.max_turn_rate).max(10.0)),
-            slowest: 0.2 * cruise,
-            stuck: ((0.1 * 5.0 * cruise).min(0.1), 5.0),
+            survey: (turn, (3.0 * turn / robot.max_turn_rate).max(10.0 * slowness)),
+            slowest: 0.2 * cruise / turns,
+            stuck: ((0.1 * 5.0 * cruise).min(0.1), 5.0 * turns),
             back_off: (0.3, slow),
             obstruction: (0.25, 0.2 + larger.max(0.0)),
         }
+    }
+
+    /// The time limit of what a Pioneer 3-AT does in so many seconds from now.
+    pub(super) fn limit(&self, now: f64, seconds: f64) -> f64 {
+        now + seconds * self.slowness
     }
 }
 
@@ -70,6 +89,7 @@ mod tests {
     fn the_pioneer_drives_as_it_always_did() {
         let margins = Margins::of(&PIONEER_3AT, &LaserProfile::default());
         let expected = Margins {
+            slowness: 1.0,
             cruise: 0.5,
             creep: 0.15,
             lookahead: 0.6,
@@ -91,6 +111,12 @@ mod tests {
         assert!(margins.cruise <= robot.max_speed && margins.creep <= robot.max_speed);
         assert!(margins.stuck.0 < 0.5 * margins.cruise * margins.stuck.1);
         assert!(margins.survey.1 > margins.survey.0 / robot.max_turn_rate);
+        // It turns around on the spot in 32 s, a Pioneer in 3.2 s.
+        assert!((9.0..11.0).contains(&margins.slowness), "{margins:?}");
+        assert!(margins.stuck.1 > 0.3 * 32.0 && margins.slowest < 0.01, "{margins:?}");
+        let robot = Robot { turn_acceleration: 0.02, ..PIONEER_3AT };
+        let margins = Margins::of(&robot, &LaserProfile::default());
+        assert!((7.0..9.0).contains(&margins.slowness), "{margins:?}");
     }
 
     #[test]

@@ -32,6 +32,10 @@ const SAME_FRONTIER: f64 = 0.3;
 const PATIENCE: f64 = 4.0;
 const DECISION: f64 = 2.0 * TICK;
 
+/// Time limits in seconds of a turn to an unknown place, and of either part of a recovery, for a Pioneer 3-AT.
+const TURN: f64 = 6.0;
+const AWAY: f64 = 4.0;
+
 /// Seconds that a robot looks at an unknown place before it gives it up: two scans and the map.
 const LOOK: f64 = 0.6;
 
@@ -137,7 +141,8 @@ impl Navigator {
                     }
                     let heading = pose.heading + self.open_side();
                     let pilot = &mut self.pilots[view.robot];
-                    pilot.task = Task::TurnAway { heading, until: view.seen.time + 4.0 };
+                    pilot.task =
+                        Task::TurnAway { heading, until: self.margins.limit(view.seen.time, AWAY) };
                 }
                 Task::Escape { stage, until } => {
                     if let Some(decision) = self.escape(view, pose, stage, until) {
@@ -203,7 +208,7 @@ impl Navigator {
         if let Some(ahead) = other_ahead(view, pose, self.margins.meeting) {
             // The robot with the higher number lets the other pass; after a while both look for
             // another path, on which the other is an obstacle.
-            if ahead < view.robot && waited < PATIENCE {
+            if ahead < view.robot && waited < PATIENCE * self.margins.slowness {
                 let waited = waited + DECISION;
                 pilot.task = Task::Go { goal, deadline, squeezes, waited };
                 return Some(Decision::Drive(Command::STOP));
@@ -229,7 +234,7 @@ impl Navigator {
             }
         }
         // Before a wall the robot stops a little earlier.
-        let held_up = pilot.progress.stalled > 1.0;
+        let held_up = pilot.progress.stalled > 0.2 * self.margins.stuck.1;
         let arrived = if held_up { 2.0 * ARRIVED } else { ARRIVED };
         let near = pilot.path.end().is_none_or(|end| end.distance(pose.position) < arrived);
         if near && pilot.path.left() < 2.0 * ARRIVED {
@@ -241,7 +246,7 @@ impl Navigator {
                         Some(to) => Task::Look {
                             frontier,
                             heading: libm::atan2(to.y, to.x),
-                            until: view.seen.time + 6.0,
+                            until: self.margins.limit(view.seen.time, TURN),
                         },
                         None => Task::Choose,
                     }

@@ -71,7 +71,9 @@ impl Pursuit {
         let near = 0.4 + 0.6 * (guard.clearance() / NEAR).min(1.0);
         // Braking towards the end, at less than what the robot could.
         let end = (robot.acceleration * left).sqrt() + 0.05;
-        let speed = (margins.cruise * bend * near).min(end).min(allowed);
+        // A robot that turns slowly would leave the curve.
+        let turnable = robot.max_turn_rate / curvature.abs();
+        let speed = (margins.cruise * bend * near).min(end).min(allowed).min(turnable);
         let turn_rate = (speed * curvature).clamp(-robot.max_turn_rate, robot.max_turn_rate);
         Command { speed, turn_rate }
     }

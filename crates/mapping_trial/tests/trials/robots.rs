@@ -125,6 +125,38 @@ fn a_trial_ends_where_the_robot_no_longer_fits() {
     }
 }
 
+/// Robots that take minutes to turn around or to cross a room, and those that hardly brake, are slow, not stuck.
+#[test]
+fn slow_robots_explore_as_well() {
+    let body = disc(0.3);
+    for robot in [
+        Robot { max_turn_rate: 0.1, ..body.clone() },
+        Robot { max_turn_rate: 0.03, ..body.clone() },
+        Robot { turn_acceleration: 0.02, ..body.clone() },
+        Robot { max_speed: 0.03, ..body.clone() },
+        Robot { acceleration: 0.05, ..body.clone() },
+        Robot { max_speed: 0.03, max_turn_rate: 0.03, turn_acceleration: 0.02, ..body },
+    ] {
+        for gap in [1.0, 1.8] {
+            let world = rooms(gap);
+            let settings = TrialSettings {
+                body: robot.clone(),
+                laser: LaserProfile::USARSIM,
+                odometry: OdometryProfile::EXACT,
+                time_limit: 7200.0,
+                ..TrialSettings::default()
+            };
+            let mut trial = Trial::flat(&world, settings).expect("a free start");
+            while trial.step() {}
+            let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
+            let end = trial.end_of(0).map(|end| end.reason);
+            assert_eq!((end, scores.collisions), (Some(EndReason::Explored), 0), "{robot:?}");
+            assert_eq!(trial.recoveries(0), 0, "{robot:?}");
+            assert!(scores.coverage > 0.9 && scores.navigability > 0.9, "{robot:?}: {scores:?}");
+        }
+    }
+}
+
 /// The robots in `assets/robots` are sound, and each maps a hallway with few collisions.
 #[test]
 fn the_robots_that_ship_can_be_driven() {

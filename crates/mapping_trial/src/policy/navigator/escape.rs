@@ -37,7 +37,7 @@ impl Navigator {
         pilot.recovered.clear();
         pilot.path.clear();
         let look = Escape::Look { heading: pose.heading, turned: 0.0, best: (pose.heading, 0.0) };
-        pilot.task = Task::Escape { stage: look, until: view.seen.time + TIME };
+        pilot.task = Task::Escape { stage: look, until: self.margins.limit(view.seen.time, TIME) };
         None
     }
 

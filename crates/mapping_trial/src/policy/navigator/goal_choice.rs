@@ -207,7 +207,7 @@ impl Navigator {
         pilot.second.note_goal();
         pilot.path.set(&mut self.costmap, &self.cells);
         let length = f64::from(cost) / f64::from(COST_PER_METRE);
-        let deadline = view.seen.time + 30.0 + length / self.margins.slowest;
+        let deadline = self.margins.limit(view.seen.time, 30.0) + length / self.margins.slowest;
         pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
     }
 

@@ -3,6 +3,7 @@
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
 
+use super::AWAY;
 use super::progress::Progress;
 use super::state::{FAILED, Failure, Goal, Navigator, Task};
 use crate::map::{Cell, CellIndex, RESOLUTION};
@@ -40,7 +41,8 @@ impl Navigator {
         if !squeezes {
             pilot.recovered.push_back(view.seen.time);
         }
-        while pilot.recovered.front().is_some_and(|&time| view.seen.time - time > HOPELESS.1) {
+        let is_long_ago = |&time: &f64| view.seen.time - time > self.margins.limit(0.0, HOPELESS.1);
+        while pilot.recovered.front().is_some_and(is_long_ago) {
             pilot.recovered.pop_front();
         }
         if pilot.recovered.len() >= HOPELESS.0 {
@@ -54,8 +56,9 @@ impl Navigator {
             true
         });
         let block = KeepoutZone { center: ahead, radius };
-        pilot.avoid.push((view.seen.time + AVOID, block));
-        pilot.task = Task::BackOff { from: pose.position, until: view.seen.time + 4.0 };
+        pilot.avoid.push((self.margins.limit(view.seen.time, AVOID), block));
+        let until = self.margins.limit(view.seen.time, AWAY);
+        pilot.task = Task::BackOff { from: pose.position, until };
         pilot.path.clear();
         None
     }
