@@ -63,6 +63,8 @@ pub struct GridPlanner {
     /// The worst cell cost on paths.
     worst_allowed: CellCost,
     queues: Vec<Vec<(Node, u32)>>,
+    /// Start cells by priority, with their cost. Those of large robots are too far apart for the queues at once.
+    seeds: Vec<(u32, Node, u32)>,
     /// [`ESCAPE`] of the robot, in planning cells.
     escape: i32,
 }
@@ -86,6 +88,7 @@ impl Default for GridPlanner {
             search: 0,
             worst_allowed: CellCost::Tight,
             queues: vec![Vec::new(); QUEUES],
+            seeds: Vec::new(),
             escape: 0,
         }
     }
@@ -168,9 +171,17 @@ impl GridPlanner {
         for block in blocks {
             self.block(costmap, block, middle);
         }
-        let (mut waiting, mut priority) = self.seed(costmap, start, &left);
+        self.collect_seeds(costmap, start, &left);
+        let mut waiting = self.seeds.len();
+        let (mut priority, mut queued) = (self.seeds.first().map_or(0, |seed| seed.0), 0);
         // The queues hold the next QUEUES priorities in turn: no step adds as many.
         while waiting > 0 {
+            while let Some(&(of_seed, node, cost)) = self.seeds.get(queued)
+                && of_seed < priority + QUEUES as u32
+            {
+                self.queues[of_seed as usize % QUEUES].push((node, cost));
+                queued += 1;
+            }
             let Some((node, cost)) = self.queues[priority as usize % QUEUES].pop() else {
                 priority += 1;
                 continue;
@@ -236,17 +247,11 @@ impl GridPlanner {
         }
     }
 
-    /// Puts the start into the queues: the cell that contains it or, if that is occupied
-    /// according to the map, the cells around it that are not.
-    /// Returns their number and the least priority.
-    fn seed(
-        &mut self,
-        costmap: &mut Costmap,
-        start: DVec2,
-        left: impl Fn(IVec2) -> u32,
-    ) -> (usize, u32) {
-        let Some(node) = costmap.node_at(start) else { return (0, 0) };
-        let (mut seeds, mut least) = (0, u32::MAX);
+    /// Collects the start cells: the cell that contains the start or, if that is occupied according to the
+    /// map, the cells around it that are not.
+    fn collect_seeds(&mut self, costmap: &mut Costmap, start: DVec2, left: impl Fn(IVec2) -> u32) {
+        self.seeds.clear();
+        let Some(node) = costmap.node_at(start) else { return };
         let body = in_cells(costmap.grown(BODY));
         let reach = if costmap.cell_cost(node) == CellCost::Occupied { body } else { 0 };
         for dy in -reach..=reach {
@@ -259,13 +264,10 @@ impl GridPlanner {
                 }
                 let cost = (dx * dx + dy * dy) as u32;
                 self.nodes[node.0 as usize] = State { cost, from: START, closed: false };
-                let priority = cost + left(costmap.place(node));
-                self.queues[priority as usize % QUEUES].push((node, cost));
-                seeds += 1;
-                least = least.min(priority);
+                self.seeds.push((cost + left(costmap.place(node)), node, cost));
             }
         }
-        (seeds, least)
+        self.seeds.sort_by_key(|&(priority, ..)| priority);
     }
 
     /// Puts a node's neighbours into the queues, and counts them.

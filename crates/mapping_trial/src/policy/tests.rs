@@ -274,6 +274,34 @@ fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
 }
 
 #[test]
+fn searches_of_large_robots_in_occupied_cells_are_in_order() {
+    let mut map = OccupancyMap::new();
+    for row in -120..120 {
+        for col in -120..120 {
+            map.add(CellIndex { col, row }, if col * col + row * row < 50 { 200 } else { -200 });
+        }
+    }
+    map.touch(Rect::new(DVec2::splat(-6.0), DVec2::splat(6.0)));
+    let robot = Robot { length: 3.0, width: 2.6, circumscribed_radius: 2.0, ..Robot::default() };
+    let mut costmap = Costmap::new(&robot);
+    costmap.refresh(&map);
+    let mut search = GridPlanner::new();
+    let mut costs = Vec::new();
+    search.nearest(&mut costmap, DVec2::ZERO, &[], |_, cost| {
+        costs.push(cost);
+        false
+    });
+    assert!(costs.is_sorted() && costs.len() > 10_000, "{} cells", costs.len());
+    for goal in [DVec2::new(1.0, 0.3), DVec2::new(-4.2, 3.1), DVec2::new(0.4, -5.5)] {
+        let node = costmap.node_at(goal).expect("on the map");
+        search.nearest(&mut costmap, DVec2::ZERO, &[], |_, _| false);
+        let cheapest = search.cost(node);
+        assert_eq!(search.to(&mut costmap, DVec2::ZERO, &[], goal), Some(node));
+        assert_eq!(search.cost(node), cheapest, "{goal}");
+    }
+}
+
+#[test]
 fn frontiers_are_where_the_unknown_is_wide() {
     let mut map = OccupancyMap::new();
     for row in 0..60 {
