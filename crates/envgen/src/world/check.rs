@@ -3,9 +3,10 @@
 use glam::DVec2;
 use thiserror::Error;
 
+use super::simple_polygon::is_simple;
 use super::{MAX_WHEEL_BIAS, PartId, PartKind, World, is_visible_range};
 use crate::curve::Curve;
-use crate::geometry::{Pose, Rect, Shape, edges, segments_cross, signed_area, wrap_angle};
+use crate::geometry::{Pose, Rect, Shape, signed_area, wrap_angle};
 
 /// The greatest distance of anything in a world from the axes of its frame, in metres: room for every
 /// grid of the Earth, and near enough that coordinates are exact to a hundredth of a micrometre.
@@ -323,42 +324,6 @@ fn check_pieces(id: PartId, pieces: &[Curve]) -> Result<(), Violation> {
 
 fn finite_pose(pose: Pose) -> bool {
     pose.position.is_finite() && pose.heading.is_finite()
-}
-
-/// Whether no two sides of a polygon touch, but for neighbours at their common corner. Sides are
-/// swept in order of x, so that common outlines cost little more than sorting.
-fn is_simple(vertices: &[DVec2]) -> bool {
-    let n = vertices.len();
-    if n < 3 {
-        return false;
-    }
-    let mut sides: Vec<(usize, DVec2, DVec2)> =
-        edges(vertices).enumerate().map(|(i, (a, b))| (i, a, b)).collect();
-    sides.sort_by(|a, b| a.1.x.min(a.2.x).total_cmp(&b.1.x.min(b.2.x)));
-    for (k, &(i, a, b)) in sides.iter().enumerate() {
-        if a == b {
-            return false;
-        }
-        let right = a.x.max(b.x);
-        for &(j, c, d) in sides[k + 1..].iter().take_while(|side| side.1.x.min(side.2.x) <= right) {
-            let touches = if (i + 1) % n == j {
-                folds_back(a, b, d)
-            } else if (j + 1) % n == i {
-                folds_back(c, d, b)
-            } else {
-                segments_cross(a, b, c, d)
-            };
-            if touches {
-                return false;
-            }
-        }
-    }
-    true
-}
-
-/// Whether the side from `b` to `c` runs back over the side from `a` to `b`.
-fn folds_back(a: DVec2, b: DVec2, c: DVec2) -> bool {
-    (b - a).perp_dot(c - b) == 0.0 && (b - a).dot(c - b) < 0.0
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ mod part;
 mod part_id;
 mod raster;
 mod road;
+mod simple_polygon;
 mod solids;
 
 pub use check::{MAX_COORDINATE, MAX_LANES, Violation};
