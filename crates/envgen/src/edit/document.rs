@@ -11,6 +11,7 @@ use crate::certificate::{Verdict, verify};
 use crate::generate::Blueprint;
 use crate::geometry::Shape;
 use crate::indoor::{Edit, EditError, FloorPlan, PlanEditor, PlanTarget};
+use crate::provenance::MeasuredDifficulty;
 use crate::reproduction::{Reproduction, reproduce};
 use crate::spec::{WorldBlueprint, WorldKind};
 use crate::world::{Claim, PartKind, World};
@@ -86,6 +87,8 @@ pub struct Document {
     world: Arc<World>,
     /// The certificate of the world before the first change.
     promised: Vec<Claim>,
+    /// The measured difficulty of the world before the first change, which a plan does not hold.
+    measured: Option<Box<MeasuredDifficulty>>,
     /// Number of changes that were made and not undone.
     made: usize,
     /// The number at which it was saved; `None` when that state cannot be reached any more.
@@ -117,7 +120,10 @@ impl Document {
         if world.provenance.kind == WorldKind::Indoor.name()
             && let Reproduction::Same(blueprint) = reproduce(&world)
         {
-            return Document::from_blueprint(*blueprint);
+            let mut document = Document::from_blueprint(*blueprint);
+            document.measured = world.provenance.measured;
+            document.refresh();
+            return document;
         }
         Document::of(Editor::World(Box::new(WorldEditor::new(world))))
     }
@@ -125,7 +131,8 @@ impl Document {
     fn of(editor: Editor) -> Self {
         let world = Arc::new(editor.world());
         let promised = world.certificate.clone();
-        Document { editor, world, promised, made: 0, saved: Some(0) }
+        let measured = world.provenance.measured.clone();
+        Document { editor, world, promised, measured, made: 0, saved: Some(0) }
     }
 
     /// The world as it is now.
@@ -388,7 +395,11 @@ impl Document {
     }
 
     fn refresh(&mut self) {
-        self.world = Arc::new(self.editor.world());
+        let mut world = self.editor.world();
+        if self.made == 0 {
+            world.provenance.measured.clone_from(&self.measured);
+        }
+        self.world = Arc::new(world);
     }
 }
 

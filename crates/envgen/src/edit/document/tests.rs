@@ -1,6 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::calibration::{Dials, Estimate};
 use crate::edit::Audit;
 use crate::geometry::Pose;
 use crate::indoor::{Axis, Cell, Gate, IndoorSpec};
@@ -29,6 +30,29 @@ fn worlds_of_plans_are_edited_as_plans() {
     edited.walls.pop();
     assert!(Document::from_world(edited).plan().is_none());
     assert!(forest().plan().is_none());
+}
+
+#[test]
+fn the_measured_difficulty_of_a_plan_is_kept_until_it_is_edited() {
+    let spec = IndoorSpec { width: 8, height: 8, ..Default::default() };
+    let mut world = spec.generate(Seed(2)).unwrap().to_world();
+    let dial = Estimate { value: 5.0, standard_error: 0.4 };
+    world.provenance.measured = Some(Box::new(MeasuredDifficulty {
+        panel: "reference".to_owned(),
+        panel_version: 1,
+        dials: Dials { difficulty: dial, mapping: dial, navigation: dial },
+        trials: 12,
+        noise_seed: Seed(1),
+    }));
+    let mut document = Document::from_world(world.clone());
+    assert!(document.plan().is_some());
+    assert_eq!(**document.world(), world);
+    let change = document.remove(Target::Plan(PlanTarget::Room(0))).unwrap();
+    document.apply(change).unwrap();
+    assert_eq!(document.world().provenance.measured, None);
+    document.undo();
+    assert_eq!(**document.world(), world);
+    assert_eq!(document.certified_world().provenance, world.provenance);
 }
 
 #[test]
