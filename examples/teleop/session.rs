@@ -1,5 +1,6 @@
 //! The session from the choice of a world to the scores: the person's actions and what is saved.
 
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,7 +13,7 @@ use bevy_mapping_trial::ui::{
     FeedbackForm, ScenarioForm, SetupForm, SpecAction, SpecForm, TrialAction, WorldPreview,
 };
 use bevy_mapping_trial::view::{ShowIn3d, TrialView};
-use envgen::located::Locate;
+use envgen::located::{Locate, Located};
 use envgen::{Seed, WorldKind, whole_file};
 use mapping_trial::feedback::Feedback;
 use mapping_trial::names::Named;
@@ -179,10 +180,11 @@ impl Session {
             if let Some(start) = settings.start.or(truth.start) {
                 Reference::from_start(truth, &settings.body, start.position)?;
             }
-            Ok((settings, self.setup.scenario.request()?))
+            let moving = self.setup.scenario.request()?;
+            Ok((settings, moving, new_folder(&self.out)?))
         };
         match begun() {
-            Ok((settings, moving)) => {
+            Ok((settings, moving, folder)) => {
                 self.driven = 0;
                 self.paused = false;
                 self.report = None;
@@ -191,7 +193,7 @@ impl Session {
                 self.message = String::new();
                 self.phase = Phase::Running;
                 self.truth_seen = self.setup.training;
-                self.folder = new_folder(&self.out);
+                self.folder = folder;
                 let view = TrialView { truth: self.setup.training, ..default() };
                 let mut world = commands.entity(self.world);
                 if moving.is_still() {
@@ -270,11 +272,8 @@ impl Session {
 
     /// Marks the folder of a trial during which the true world was shown: its scores are not blind.
     fn mark_training(&mut self) {
-        let mut name = self.folder.clone().into_os_string();
-        name.push("_training");
-        let marked = PathBuf::from(name);
-        // Before the log is first written, no folder exists that could be renamed.
-        if !self.folder.exists() || std::fs::rename(&self.folder, &marked).is_ok() {
+        let marked = marked(&self.folder);
+        if std::fs::rename(&self.folder, &marked).is_ok() {
             self.folder = marked;
         }
     }
@@ -338,12 +337,29 @@ impl Session {
     }
 }
 
-/// The first of the folders `001`, `002` and so on that does not exist, with or without a mark.
-fn new_folder(out: &Path) -> PathBuf {
-    (1_u32..)
-        .map(|number| format!("{number:03}"))
-        .find(|name| !out.join(name).exists() && !out.join(format!("{name}_training")).exists())
-        .map_or_else(|| out.to_path_buf(), |name| out.join(name))
+/// Creates the first of the folders `001`, `002` and so on that does not exist, with or without a mark. Of two windows
+/// that begin at once each has its own.
+fn new_folder(out: &Path) -> Result<PathBuf, Located<io::Error>> {
+    let mut number = 1_u32;
+    loop {
+        let folder = out.join(format!("{number:03}"));
+        number += 1;
+        if marked(&folder).exists() {
+            continue;
+        }
+        match std::fs::create_dir(&folder) {
+            Ok(()) => return Ok(folder),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error).in_file(&folder),
+        }
+    }
+}
+
+/// The folder of a trial during which the true world was shown.
+fn marked(folder: &Path) -> PathBuf {
+    let mut name = folder.as_os_str().to_owned();
+    name.push("_training");
+    name.into()
 }
 
 /// Hides the lines over the world, which show the true world, too.
