@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy::asset::RenderAssetUsages;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use bevy_envgen::visuals3d::{EnvgenVisuals3dPlugin, Visuals3dSettings};
@@ -172,9 +173,9 @@ impl<'a> CameraTrial<'a> {
         let mut error = None;
         let mut ticked = |app: &mut App| {
             let mut taken = app.world_mut().resource_mut::<Taken>();
-            let Taken { frames, failure } = std::mem::take(&mut *taken);
+            let failure = taken.failure.take();
             let mut result = failure.map_or(Ok(()), |failure| Err(failure.into()));
-            for (robot, frame) in frames {
+            for (robot, frame) in std::mem::take(&mut taken.frames) {
                 result = result.and_then(|()| see(robot, &frame));
             }
             if let Err(failure) = result {
@@ -201,6 +202,8 @@ impl<'a> CameraTrial<'a> {
 /// The pictures since the last tick, each with the number of its robot.
 #[derive(Resource, Default)]
 struct Taken {
+    /// Numbers of robots, also of those that are gone when their last picture arrives.
+    robots: EntityHashMap<usize>,
     frames: Vec<(usize, Arc<CameraFrame>)>,
     failure: Option<CameraError>,
 }
@@ -231,16 +234,23 @@ fn app(camera: RobotCamera) -> Result<App, CaptureError> {
         app.add_plugins((EnvgenVisuals3dPlugin::new(visuals), RobotVisuals3dPlugin));
     }
     app.insert_resource(visuals).init_resource::<Taken>().add_plugins(RobotCameraPlugin);
-    app.add_observer(move |robot: On<Add, TrialRobot>, mut commands: Commands| {
-        commands.entity(robot.entity).insert(camera);
-    });
     app.add_observer(
-        |taken: On<CameraFrameTaken>, robots: Query<&TrialRobot>, mut all: ResMut<Taken>| {
-            if let Ok(TrialRobot { index }) = robots.get(taken.entity) {
-                all.frames.push((*index, taken.frame.clone()));
+        move |added: On<Add, TrialRobot>,
+              robots: Query<&TrialRobot>,
+              mut all: ResMut<Taken>,
+              mut commands: Commands| {
+            let robot = added.entity;
+            if let Ok(TrialRobot { index }) = robots.get(robot) {
+                all.robots.insert(robot, *index);
+                commands.entity(robot).insert(camera);
             }
         },
     );
+    app.add_observer(|taken: On<CameraFrameTaken>, mut all: ResMut<Taken>| {
+        if let Some(&index) = all.robots.get(&taken.entity) {
+            all.frames.push((index, taken.frame.clone()));
+        }
+    });
     app.add_observer(|failed: On<CameraFailed>, mut all: ResMut<Taken>| {
         all.failure.get_or_insert(failed.error.clone());
     });

@@ -79,9 +79,9 @@ fn a_recorded_trial_is_the_same_trial() {
     assert!(first == again, "the pictures of the replay differ");
 
     let json: Value = serde_json::from_slice(&first[Path::new("robot_1/frames.json")]).unwrap();
-    // At 0, 0.5, .. 5.5 s.
+    // At 0, 0.5, .. 6 s: the last one when the trial is over.
     let frames = json["frames"].as_array().unwrap();
-    assert_eq!(frames.len(), 12);
+    assert_eq!(frames.len(), 13);
     for (i, frame) in frames.iter().enumerate() {
         assert!((frame["time"].as_f64().unwrap() - 0.5 * i as f64).abs() < 1e-9);
         for (key, folder, bytes) in [
@@ -97,7 +97,7 @@ fn a_recorded_trial_is_the_same_trial() {
         }
     }
     // The colours are a picture.
-    let colors = png(&first[Path::new("robot_1/rgb/000012.png")]).1;
+    let colors = png(&first[Path::new("robot_1/rgb/000013.png")]).1;
     let different: std::collections::BTreeSet<&[u8]> = colors.chunks_exact(3).collect();
     assert!(different.len() > 50, "{} colours", different.len());
     // Every label has a meaning, and the floor is among them.
@@ -107,7 +107,7 @@ fn a_recorded_trial_is_the_same_trial() {
         .iter()
         .map(|label| (label["id"].as_u64().unwrap(), label["kind"].as_str().unwrap()))
         .collect();
-    let labels = png(&first[Path::new("robot_1/labels/000012.png")]).1;
+    let labels = png(&first[Path::new("robot_1/labels/000013.png")]).1;
     for label in labels.as_chunks::<2>().0 {
         assert!(named.contains_key(&u16::from_be_bytes(*label).into()));
     }
