@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use bevy_egui::egui::{ComboBox, DragValue, TextEdit, Ui};
+use bevy_egui::egui::{ComboBox, TextEdit, Ui};
 use envgen::calibration::Dials;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::settings::Setting;
@@ -31,7 +31,9 @@ pub enum SpecAction {
 pub struct SpecForm {
     kind: WorldKind,
     texts: BTreeMap<WorldKind, Vec<Draft>>,
-    seed: u64,
+    seed: Seed,
+    /// The seed as it is edited: a number of a widget has too few digits.
+    seed_text: String,
     file: String,
     /// The last error of the disk, or one that no setting is named in.
     failure: Option<String>,
@@ -48,7 +50,8 @@ impl SpecForm {
         let texts = texts.collect();
         let file = format!("{}.envgen.ron", spec.kind());
         let (kind, reach) = (spec.kind(), Reach::default());
-        let mut form = SpecForm { kind, texts, seed: seed.0, file, failure: None, reach };
+        let seed_text = seed.to_string();
+        let mut form = SpecForm { kind, texts, seed, seed_text, file, failure: None, reach };
         form.check();
         form
     }
@@ -90,9 +93,9 @@ impl SpecForm {
         self.check();
     }
 
-    /// The seed.
+    /// The seed; while its text is none, the last one.
     pub fn seed(&self) -> Seed {
-        Seed(self.seed)
+        self.seed
     }
 
     /// Sets one setting of the kind from text, in the syntax of `--set`. Names that the kind does
@@ -122,7 +125,8 @@ impl SpecForm {
     /// The spec and the seed in the form.
     ///
     /// # Errors
-    /// The first setting that is out of range, or out of reach, with its value and the allowed range.
+    /// The first setting that is out of range, or out of reach, with its value and the allowed range; a seed that is
+    /// none.
     pub fn request(&self) -> Result<(WorldSpec, Seed), SettingsError> {
         let mut spec = self.kind.default_spec();
         for draft in self.texts.get(&self.kind).into_iter().flatten() {
@@ -130,7 +134,7 @@ impl SpecForm {
         }
         spec.validate()?;
         self.reach.check(&spec)?;
-        Ok((spec, Seed(self.seed)))
+        Ok((spec, self.seed_text.parse()?))
     }
 
     /// Writes the spec as RON, completely or not at all.
@@ -145,7 +149,7 @@ impl SpecForm {
 
     /// Draws the kind, the seed and the settings that people change first.
     pub fn show(&mut self, ui: &mut Ui) -> Option<SpecAction> {
-        let (kind, seed) = (self.kind, self.seed);
+        let kind = self.kind;
         let mut chosen = kind;
         row(ui, "kind", kind.summary(), |ui| {
             ComboBox::from_id_salt("kind").selected_text(kind.name()).show_ui(ui, |ui| {
@@ -158,17 +162,31 @@ impl SpecForm {
         if chosen != kind {
             self.set_kind(chosen);
         }
-        row(ui, "seed", "Determines everything random in the world", |ui| {
-            ui.add(DragValue::new(&mut self.seed).speed(0.1));
-            if ui.button("Next").on_hover_text("the next seed").clicked() {
-                self.seed = self.seed.wrapping_add(1);
-            }
-        });
+        let seed_changed = self.show_seed(ui);
         let edited = self.edit(|drafts| show_group(ui, drafts, None));
         if let Some(failure) = &self.failure {
             error(ui, failure);
         }
-        (edited || chosen != kind || self.seed != seed).then_some(SpecAction::Changed)
+        (edited || chosen != kind || seed_changed).then_some(SpecAction::Changed)
+    }
+
+    /// Draws the seed, and returns whether its text is another one.
+    fn show_seed(&mut self, ui: &mut Ui) -> bool {
+        let mut changed = false;
+        row(ui, "seed", "Determines everything random in the world", |ui| {
+            // As wide as its digits.
+            let edit = TextEdit::singleline(&mut self.seed_text).desired_width(32.0);
+            changed = ui.add(edit.clip_text(false)).changed();
+            if ui.button("Next").on_hover_text("the next seed").clicked() {
+                self.seed_text = Seed(self.seed.0.wrapping_add(1)).to_string();
+                changed = true;
+            }
+        });
+        match self.seed_text.parse() {
+            Ok(seed) => self.seed = seed,
+            Err(failure) => error(ui, &SpecError::to_string(&failure)),
+        }
+        changed
     }
 
     /// Draws the other settings of the kind, by groups.

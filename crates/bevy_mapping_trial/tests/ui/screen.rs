@@ -2,8 +2,8 @@
 
 use bevy_mapping_trial::ui::egui::epaint::{ClippedShape, Shape};
 use bevy_mapping_trial::ui::egui::{
-    CentralPanel, Color32, Context, Event, FullOutput, Modifiers, PointerButton, Pos2, RawInput,
-    Rect, Ui, Vec2,
+    CentralPanel, Color32, Context, Event, FullOutput, Key, Modifiers, PointerButton, Pos2,
+    RawInput, Rect, Ui, Vec2,
 };
 
 /// The texts of a frame.
@@ -142,6 +142,28 @@ impl Screen {
         };
         for events in [vec![Event::PointerMoved(at)], vec![button(true)], vec![button(false)]] {
             self.frame(events, |ui| said = said.take().or(show(ui)));
+        }
+        said
+    }
+
+    /// Clicks on a text that can be edited, and types another one in its place.
+    pub(crate) fn retype<T>(
+        &self,
+        text: &str,
+        typed: &str,
+        mut show: impl FnMut(&mut Ui) -> Option<T>,
+    ) -> Option<T> {
+        self.click(text, &mut show);
+        let all = Event::Key {
+            key: Key::A,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::COMMAND,
+        };
+        let mut said = None;
+        for event in [all, Event::Text(typed.to_owned())] {
+            self.frame(vec![event], |ui| said = said.take().or(show(ui)));
         }
         said
     }

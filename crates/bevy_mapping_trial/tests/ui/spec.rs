@@ -53,6 +53,27 @@ fn what_is_changed_is_reported() {
 }
 
 #[test]
+fn seeds_keep_all_their_digits() {
+    let mut form = SpecForm::new(&WorldKind::Forest.default_spec(), Seed(u64::MAX - 1));
+    let screen = Screen::new(egui::vec2(340.0, 900.0));
+    assert!(screen.show(|ui| drop(form.show(ui))).has("18446744073709551614"));
+    screen.click("Next", |ui| form.show(ui));
+    assert_eq!(form.request().map(|(_, seed)| seed), Ok(Seed(u64::MAX)));
+    let typed = "9007199254740993";
+    let said = screen.retype("18446744073709551615", typed, |ui| form.show(ui));
+    assert_eq!((said, form.seed()), (Some(SpecAction::Changed), Seed(9_007_199_254_740_993)));
+    for wrong in ["-1", "1e3", "18446744073709551616"] {
+        screen.retype(&form.seed().to_string(), wrong, |ui| form.show(ui));
+        let error = format!("`seed` must be a whole number from 0 to {}, got {wrong}", u64::MAX);
+        assert!(screen.show(|ui| drop(form.show(ui))).has(&error), "{wrong}");
+        assert_eq!(form.request().expect_err("no seed").to_string(), error);
+        assert_eq!(form.seed(), Seed(9_007_199_254_740_993));
+        screen.retype(wrong, typed, |ui| form.show(ui));
+        assert!(form.request().is_ok());
+    }
+}
+
+#[test]
 fn groups_with_errors_have_another_colour() {
     let mut form = form(WorldKind::Indoor);
     let colour = |form: &mut SpecForm| {
