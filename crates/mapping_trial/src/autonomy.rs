@@ -6,8 +6,9 @@ use crate::map::Estimate;
 use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
 use crate::robot::Robot;
 use crate::slam::Slam;
+use crate::slam::motion::{advance, believable};
 
-use envgen::geometry::Rect;
+use envgen::geometry::{Pose, Rect};
 use glam::DVec2;
 
 /// SLAM and an exploration policy for one or more robots.
@@ -46,6 +47,8 @@ pub struct Autonomy {
     area: Rect,
     /// Each robot's last scan, empty before the first.
     scans: Vec<Scan>,
+    /// Each robot's motion since then.
+    since_scan: Vec<Pose>,
     /// Where each robot last saw water, in the map's frame.
     water: Vec<Vec<DVec2>>,
     /// Each robot's last decision.
@@ -73,6 +76,7 @@ impl Autonomy {
             laser: laser.clone(),
             area,
             scans: vec![Scan { ranges: Vec::new() }; robots],
+            since_scan: vec![Pose::default(); robots],
             water: vec![Vec::new(); robots],
             decisions: vec![Decision::Drive(Command::STOP); robots],
             ticks: vec![0; robots],
@@ -82,8 +86,10 @@ impl Autonomy {
     /// Takes in a robot's observation and updates its pose estimate and the map.
     pub fn sense(&mut self, robot: usize, seen: &Observation) {
         self.slam.step(robot, seen);
+        self.since_scan[robot] = advance(self.since_scan[robot], believable(seen.odometry));
         if let Some(scan) = &seen.scan {
             self.scans[robot].ranges.clone_from(&scan.ranges);
+            self.since_scan[robot] = Pose::default();
         }
         self.estimates[robot] = self.slam.estimate(robot);
         if let Some(water) = &seen.water {
@@ -105,6 +111,7 @@ impl Autonomy {
                 estimates: &self.estimates,
                 map: self.slam.map(),
                 scan: &self.scans[robot],
+                since_scan: self.since_scan[robot],
                 water: &self.water[robot],
                 seen,
                 body: &self.body,

@@ -21,30 +21,30 @@ const MIXED_PIXEL_JUMP: f64 = 0.3;
 /// Turns exact ranges into what a laser measures: [`Laser`], or an error model of your own.
 ///
 /// Beams, field of view, greatest range and rate are those of the trial's [`LaserProfile`], whatever
-/// the sensor makes of them. One of your own is plugged in by
+/// the sensor makes of them: [`NO_ECHO`] says that a beam is free up to the profile's range. One of your own is plugged in by
 /// [`TrialBuilder::laser`](crate::trial::TrialBuilder::laser).
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
-/// use mapping_trial::lidar::{LaserSensor, NO_ECHO, Scan};
+/// use mapping_trial::lidar::{LaserSensor, Scan, UNSEEN};
 /// use mapping_trial::trial::{Trial, TrialSettings};
 ///
-/// /// A laser that sees 2 m.
-/// struct Short;
+/// /// A laser to which nothing beyond 2 m is bright enough. No echo would say that 8 m are free there.
+/// struct Weak;
 ///
-/// impl LaserSensor for Short {
+/// impl LaserSensor for Weak {
 ///     fn measure(&mut self, exact: &[f64]) -> Scan {
-///         let range = |&exact: &f64| if exact <= 2.0 { exact } else { NO_ECHO };
+///         let range = |&exact: &f64| if exact <= 2.0 { exact } else { UNSEEN };
 ///         Scan { ranges: exact.iter().map(range).collect() }
 ///     }
 /// }
 ///
 /// let world = HallwaySpec { segments: 3, ..Default::default() }.generate(Seed(7))?.to_world();
 /// let settings = TrialSettings { time_limit: 1.0, ..Default::default() };
-/// let mut trial = Trial::builder(&world, settings).laser(|_, _| Short).build_flat()?;
+/// let mut trial = Trial::builder(&world, settings).laser(|_, _| Weak).build_flat()?;
 /// while trial.step() {}
 /// let ranges = &trial.autonomy().scan(0).ranges;
-/// assert!(ranges.iter().all(|&range| range <= 2.0 || range == NO_ECHO));
+/// assert!(ranges.iter().all(|&range| range <= 2.0 || range.is_nan()));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait LaserSensor {

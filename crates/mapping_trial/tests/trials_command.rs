@@ -149,6 +149,21 @@ fn a_trials_own_map_scores_as_its_report_says() {
     assert!(strict(&lost) + 0.1 < strict(&found), "{} and {}", strict(&lost), strict(&found));
     assert!(strict(&found) > strict(&turned) - 0.05);
 
+    // A map that is free everywhere covers all, of which it warns.
+    let image = [b"P5\n800 800\n255\n".to_vec(), vec![254; 800 * 800]].concat();
+    std::fs::write(folder.path().join("free.pgm"), image).expect("a file");
+    let yaml = "image: free.pgm\nresolution: 0.05\norigin: [-20, -20, 0]\nnegate: 0\n\
+                occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    std::fs::write(folder.path().join("free.yaml"), yaml).expect("a file");
+    let warned = |map: &str| {
+        let score = ["score", "--world", "world.json", "--frame", "world", "--map", map];
+        let output = run(folder.path(), &score);
+        let said = String::from_utf8_lossy(&output.stderr).contains("must be unknown in the map");
+        (output.status.success(), said)
+    };
+    assert_eq!(warned("free.yaml"), (true, true));
+    assert_eq!(warned("map.yaml"), (true, false));
+
     // The text for people holds the same.
     let output = run(folder.path(), &[&["score", "--world", "world.json"][..], &own].concat());
     let text = String::from_utf8(output.stdout).expect("text");

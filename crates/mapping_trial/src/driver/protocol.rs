@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{DriverError, not_allowed};
 use super::grid::Grid;
-use crate::backend::{Command, TICK};
+use crate::backend::{Command, Observation, TICK};
 use crate::lidar::Scan;
 use crate::score::Scores;
 use crate::setting_limits::number;
@@ -125,6 +125,7 @@ pub(super) struct Observed<'a> {
     pub(super) time: f64,
     pub(super) odometry: Odometry,
     pub(super) scan: Option<&'a [Option<f64>]>,
+    pub(super) since_scan: Option<Odometry>,
     pub(super) water: &'a [[f64; 2]],
     pub(super) bumped: bool,
     pub(super) battery: f64,
@@ -132,11 +133,18 @@ pub(super) struct Observed<'a> {
     pub(super) map: Option<Grid>,
 }
 
-/// What the wheels measured since the robot's last line.
+/// What the wheels measured since something.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(super) struct Odometry {
     pub(super) distance: f64,
     pub(super) turn: f64,
+}
+
+impl Odometry {
+    pub(super) fn add(&mut self, seen: &Observation) {
+        self.distance += seen.odometry.distance;
+        self.turn += seen.odometry.turn;
+    }
 }
 
 /// The last line to a driver: the result of the trial.
@@ -341,10 +349,10 @@ pub(super) fn triple(pose: Pose) -> [f64; 3] {
 }
 
 /// The ranges of a scan in a line, in metres: the greatest range where there was no echo, `None` for
-/// a beam to be ignored. JSON has neither infinity nor NaN.
+/// a beam to be ignored, whether that is NaN or 0. JSON has neither infinity nor NaN.
 pub(super) fn ranges(scan: &Scan, max_range: f64, out: &mut Vec<Option<f64>>) {
     out.clear();
-    out.extend(scan.ranges.iter().map(|&r| (!r.is_nan()).then_some(r.min(max_range))));
+    out.extend(scan.ranges.iter().map(|&r| (r > 0.0).then_some(r.min(max_range))));
 }
 
 #[cfg(test)]
@@ -431,9 +439,9 @@ mod tests {
     #[test]
     fn scans_keep_what_json_has_no_number_for() {
         let mut out = vec![Some(1.0); 9];
-        ranges(&Scan { ranges: vec![2.5, NO_ECHO, f64::NAN] }, 8.0, &mut out);
-        assert_eq!(out, [Some(2.5), Some(8.0), None]);
-        assert_eq!(serde_json::to_string(&out).unwrap(), "[2.5,8.0,null]");
+        ranges(&Scan { ranges: vec![2.5, NO_ECHO, f64::NAN, 0.0] }, 8.0, &mut out);
+        assert_eq!(out, [Some(2.5), Some(8.0), None, None]);
+        assert_eq!(serde_json::to_string(&out).unwrap(), "[2.5,8.0,null,null]");
     }
 
     proptest! {

@@ -25,6 +25,7 @@ const FAREWELL: Duration = Duration::from_secs(2);
 struct Gathered {
     ticks: u64,
     odometry: Odometry,
+    since_scan: Odometry,
     ranges: Vec<Option<f64>>,
     /// Whether a scan came since the last line.
     scanned: bool,
@@ -39,6 +40,7 @@ impl Gathered {
         Gathered {
             ticks: 0,
             odometry: Odometry::default(),
+            since_scan: Odometry::default(),
             ranges: Vec::new(),
             scanned: false,
             water: Vec::new(),
@@ -49,9 +51,10 @@ impl Gathered {
     }
 
     fn add(&mut self, seen: &Observation, max_range: f64) {
-        self.odometry.distance += seen.odometry.distance;
-        self.odometry.turn += seen.odometry.turn;
+        self.odometry.add(seen);
+        self.since_scan.add(seen);
         if let Some(scan) = &seen.scan {
+            self.since_scan = Odometry::default();
             ranges(scan, max_range, &mut self.ranges);
             self.scanned = true;
         }
@@ -179,6 +182,7 @@ impl Session {
             time: seen.time,
             odometry: gathered.odometry,
             scan: gathered.scanned.then_some(&gathered.ranges),
+            since_scan: gathered.scanned.then_some(gathered.since_scan),
             water: &gathered.water,
             bumped: gathered.bumped,
             battery: seen.battery,

@@ -76,6 +76,7 @@ fn decide(
         estimates: &[Estimate { pose, ..Estimate::default() }; 2],
         map,
         scan: &Scan { ranges: Vec::new() },
+        since_scan: Pose::default(),
         water: &[],
         seen,
         body: &body,

@@ -1,6 +1,6 @@
 //! What a policy is asked, and what it answers.
 
-use envgen::geometry::Rect;
+use envgen::geometry::{Pose, Rect};
 use glam::DVec2;
 
 use crate::backend::{Command, Observation};
@@ -19,6 +19,8 @@ pub struct PolicyInput<'a> {
     pub map: &'a OccupancyMap,
     /// This robot's last scan, relative to its laser's pose at that time.
     pub scan: &'a Scan,
+    /// Its pose now in the frame of its pose then, by odometry.
+    pub since_scan: Pose,
     /// Where this robot last saw water, in metres in the map's frame; empty if it saw none.
     pub water: &'a [DVec2],
     /// What this robot measured in this tick: time, odometry, bumper, battery.

@@ -18,11 +18,17 @@ const WHEELS: f64 = 0.7;
 /// by it: in a narrow gap noisy echoes beside the body lie within it.
 const GRAZE: f64 = 0.02;
 
+/// Ticks between two scans up to which echoes count as where the robot is now: a Pioneer 3-AT moves 10 cm, or turns
+/// by 16 degrees.
+const FRESH: u32 = 4;
+
 /// The echoes around a robot, and the water, in its own frame: x ahead, y to the left.
 #[derive(Clone, Debug)]
 pub(super) struct Guard {
     beams: Vec<DVec2>,
     laser: DVec2,
+    /// Whether scans are so far apart that echoes are moved with the robot.
+    is_slow: bool,
     horizon: f64,
     radius: f64,
     echoes: Vec<DVec2>,
@@ -38,6 +44,7 @@ impl Guard {
         Guard {
             beams: beams.collect(),
             laser: mount.position,
+            is_slow: laser.ticks_a_scan > FRESH,
             horizon: horizon(robot),
             radius: robot.circumscribed_radius,
             echoes: Vec::new(),
@@ -45,12 +52,16 @@ impl Guard {
         }
     }
 
-    /// Takes a scan; lost and ignored beams are skipped.
-    pub(super) fn look(&mut self, scan: &Scan) {
+    /// Takes a scan, and the robot's pose now in the frame of its pose then; lost and ignored beams are skipped.
+    pub(super) fn look(&mut self, scan: &Scan, since: Pose) {
         self.echoes.clear();
         let near = |range: &f64| *range > 0.0 && *range < self.horizon;
         let beams = self.beams.iter().zip(&scan.ranges).filter(|(_, range)| near(range));
         self.echoes.extend(beams.map(|(&beam, &range)| self.laser + beam * range));
+        if self.is_slow {
+            let now = since.world_to_local();
+            self.echoes.iter_mut().for_each(|echo| *echo = now(*echo));
+        }
     }
 
     /// Takes the water that was seen last, as points in the map's frame, for a robot at a pose.

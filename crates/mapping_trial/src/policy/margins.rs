@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::backend::TICK;
 use crate::lidar::LaserProfile;
 use crate::robot::{PIONEER_3AT, Robot};
 
@@ -27,6 +28,8 @@ pub(super) struct Margins {
     /// Turn in the beginning, after which the laser has seen all around, and the time after which
     /// the turn ends in any case.
     pub(super) survey: (f64, f64),
+    /// Time for which the robot looks at an unknown place before it gives it up: two scans and the map.
+    pub(super) look: f64,
     /// Least mean speed on a path: slower ones are given up.
     pub(super) slowest: f64,
     /// A robot that moves less than this in so many seconds is stuck.
@@ -68,6 +71,7 @@ impl Margins {
             feet: 0.4 + larger,
             meeting: 1.4 + 2.0 * larger,
             survey: (turn, (3.0 * turn / robot.max_turn_rate).max(10.0 * slowness)),
+            look: (2.5 * f64::from(laser.ticks_a_scan) * TICK).max(0.6),
             slowest: 0.2 * cruise / turns,
             stuck: ((0.1 * 5.0 * cruise).min(0.1), 5.0 * turns),
             back_off: (0.3, slow),
@@ -96,6 +100,7 @@ mod tests {
             feet: 0.4,
             meeting: 1.4,
             survey: (1.1 * PI, 10.0),
+            look: 0.6,
             slowest: 0.1,
             stuck: (0.1, 5.0),
             back_off: (0.3, 0.15),

@@ -15,15 +15,12 @@ pub(super) use self::goal_choice::{Aim, Planning};
 pub(super) use self::state::Navigator;
 
 use self::progress::Progress;
-use self::state::{ARRIVED, Failure, Goal, Task};
+use self::state::{ARRIVED, Failure, Goal, REFRESH, Task};
 use super::costmap::Node;
 use super::frontier::{is_left, unknown_from};
 use super::pursuit::turn;
 use super::{Decision, PolicyInput};
 use crate::backend::{Command, TICK};
-
-/// Seconds between two updates from the map.
-const REFRESH: f64 = 1.0;
 
 /// Metres around a frontier point within which a frontier is still the same one.
 const SAME_FRONTIER: f64 = 0.3;
@@ -35,9 +32,6 @@ const DECISION: f64 = 2.0 * TICK;
 /// Time limits in seconds of a turn to an unknown place, and of either part of a recovery, for a Pioneer 3-AT.
 const TURN: f64 = 6.0;
 const AWAY: f64 = 4.0;
-
-/// Seconds that a robot looks at an unknown place before it gives it up: two scans and the map.
-const LOOK: f64 = 0.6;
 
 impl Navigator {
     /// Drives to goals that `choose` returns until none is left.
@@ -73,11 +67,9 @@ impl Navigator {
         if view.robot >= self.pilots.len() {
             return None;
         }
+        self.plan_as_before(view.robot);
         self.look(view, pose);
-        let renewed = view.seen.time - self.refreshed >= REFRESH;
-        if renewed {
-            self.refresh(view);
-        }
+        let renewed = self.refresh_if_due(view);
         // A task may end and another begin in the same tick, but not without a limit.
         for _ in 0..4 {
             let pilot = &mut self.pilots[view.robot];
@@ -96,7 +88,7 @@ impl Navigator {
                     pilot.task = Task::Choose;
                 }
                 Task::Choose => {
-                    self.plan_for(false);
+                    self.plan_for(view.robot, false);
                     if !(self.choose(view, pose, aim) || self.look_again(view, pose, aim)) {
                         self.pilots[view.robot].task = Task::Rest { since: view.seen.time };
                         return None;
@@ -118,10 +110,9 @@ impl Navigator {
                     if view.seen.time < until && off.abs() > 0.15 {
                         return Some(Decision::Drive(turn(view.body, off)));
                     }
-                    if view.seen.time < until.min(view.seen.time + 1.0)
-                        && until - view.seen.time > LOOK
-                    {
-                        pilot.task = Task::Look { frontier, heading, until: view.seen.time + LOOK };
+                    let look = self.margins.look;
+                    if until - view.seen.time > look {
+                        pilot.task = Task::Look { frontier, heading, until: view.seen.time + look };
                     }
                     if view.seen.time < until {
                         return Some(Decision::Drive(Command::STOP));
@@ -166,12 +157,13 @@ impl Navigator {
     /// if the robot is stuck there.
     pub(super) fn steer(&mut self, view: &PolicyInput<'_>, target: DVec2) -> Option<Decision> {
         let pose = pose_of(view)?;
-        self.plan_for(false);
-        self.look(view, pose);
-        if view.seen.time - self.refreshed >= REFRESH {
-            self.refresh(view);
+        if view.robot >= self.pilots.len() {
+            return None;
         }
-        let pilot = self.pilots.get_mut(view.robot)?;
+        self.plan_for(view.robot, false);
+        self.look(view, pose);
+        self.refresh_if_due(view);
+        let pilot = &mut self.pilots[view.robot];
         let waits = other_ahead(view, pose, self.margins.meeting).is_some();
         if waits || pilot.progress.is_stuck(view.seen.time, pose.position, self.margins.stuck) {
             pilot.progress = Progress::default();
@@ -187,7 +179,7 @@ impl Navigator {
 
     /// Takes in what a robot sees: obstacles ahead, and water for later.
     fn look(&mut self, view: &PolicyInput<'_>, pose: Pose) {
-        self.guard.look(view.scan);
+        self.guard.look(view.scan, view.since_scan);
         self.guard.look_at_water(pose, view.water);
         for &p in view.water {
             self.costmap.mark_water(p);
@@ -245,8 +237,11 @@ impl Navigator {
                     match to {
                         Some(to) => Task::Look {
                             frontier,
-                            heading: libm::atan2(to.y, to.x),
-                            until: self.margins.limit(view.seen.time, TURN),
+                            heading: libm::atan2(to.y, to.x) - view.body.laser_mount.heading,
+                            until: self
+                                .margins
+                                .limit(view.seen.time, TURN)
+                                .max(view.seen.time + 2.0 * self.margins.look),
                         },
                         None => Task::Choose,
                     }

@@ -184,7 +184,7 @@ proptest! {
     ) {
         let (robot, laser) = (Robot::default(), LaserProfile::default());
         let mut guard = Guard::new(&robot, &laser);
-        guard.look(&Scan { ranges });
+        guard.look(&Scan { ranges }, Pose::default());
         let curvature = if curvature.abs() < 0.05 { 0.0 } else { curvature };
         let touches = |p: DVec2| {
             guard.echoes().iter().any(|echo| echo.distance(p) < robot.circumscribed_radius)
@@ -327,6 +327,58 @@ fn frontiers_are_where_the_unknown_is_wide() {
     assert_eq!(frontiers.goals(), 0);
 }
 
+/// A corridor along x, 2 m wide and open at both ends, which is mapped up to a column.
+fn draw_corridor(map: &mut OccupancyMap, end: i32) {
+    map.clear();
+    for row in -21..=20 {
+        for col in -80..end {
+            let is_wall = row == -21 || row == 20;
+            map.add(CellIndex { col, row }, if is_wall { 400 } else { -400 });
+        }
+    }
+    map.touch(Rect::new(DVec2::new(-4.0, -1.1), DVec2::new(12.0, 1.1)));
+}
+
+#[test]
+fn each_robot_plans_again_when_the_map_changes() {
+    let (body, laser) = (Robot::default(), LaserProfile::default());
+    let mut policy = build(PolicyKind::Nearest, 2, &body, &laser);
+    let mut map = OccupancyMap::new();
+    draw_corridor(&mut map, 120);
+    let estimates =
+        [-2.0, 3.0].map(|x| Estimate { pose: Pose::new(x, 0.0, 0.0), ..Default::default() });
+    let mut end_of_second = |map: &OccupancyMap, from: i32, seconds: i32| {
+        for step in 10 * from..10 * (from + seconds) {
+            for robot in 0..2 {
+                policy.decide(&PolicyInput {
+                    robot,
+                    estimates: &estimates,
+                    map,
+                    scan: &Scan { ranges: vec![1.0; 181] },
+                    since_scan: Pose::default(),
+                    water: &[],
+                    seen: &Observation {
+                        time: 0.1 * f64::from(step),
+                        battery: 100.0,
+                        ..Default::default()
+                    },
+                    body: &body,
+                    laser: &laser,
+                    area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
+                });
+            }
+        }
+        policy.path(1).last().map(|end| end.x)
+    };
+    // The look around takes 10 s; stuck robots choose another goal after 5 s.
+    let first = end_of_second(&map, 0, 12).expect("a path");
+    assert!((4.0..6.0).contains(&first), "{first}");
+    // Another robot has mapped on: the frontier is farther.
+    draw_corridor(&mut map, 180);
+    let second = end_of_second(&map, 12, 2).expect("a path");
+    assert!((7.0..9.0).contains(&second), "{second}");
+}
+
 const KINDS: [PolicyKind; 6] = [
     PolicyKind::Nearest,
     PolicyKind::InfoGain,
@@ -358,6 +410,7 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
                         estimates: &estimates,
                         map,
                         scan,
+                        since_scan: Pose::default(),
                         water: &[],
                         seen: &seen,
                         body: &body,
@@ -422,6 +475,7 @@ fn a_tour_begins_where_nearest_does_not() {
                 estimates: &[Estimate::default()],
                 map: &map,
                 scan: &Scan { ranges: vec![1.0; 181] },
+                since_scan: Pose::default(),
                 water: &[],
                 seen: &Observation { time, battery: 100.0, ..Default::default() },
                 body: &body,

@@ -56,6 +56,11 @@ pub enum ScoreError {
         /// Radius in metres of the trial's robot.
         radius: f64,
     },
+    /// The mappable area was computed for a robot of another height, speed, laser or other property.
+    #[error(
+        "the mappable area is for another robot than that of the trial: use `Trial::reference`"
+    )]
+    OtherRobot,
     /// A number of the run is NaN, infinite or negative.
     #[error("`{field}` must be a finite number of 0 or more, got {value}")]
     Number {

@@ -14,6 +14,7 @@ use crate::lidar::{LaserSensor, NO_ECHO, Scan};
 use crate::map::{Estimate, OccupancyMap};
 use crate::odometry::{Increment, WheelSensor};
 use crate::policy::{Decision, ExplorationPolicy, PolicyInput};
+use crate::robot::Robot;
 use crate::score::{Reference, ScoreError};
 use crate::slam::{DeadReckoning, Slam};
 
@@ -229,6 +230,12 @@ fn scores_are_measured_from_where_the_trial_began() {
     // The world has another start: an error, not a score.
     let wrong = trial.score(&Reference::new(&world, &settings.body).expect("a start"));
     assert!(matches!(wrong, Err(ScoreError::Reference { .. })), "{wrong:?}");
+    // So is that of another robot, which drives faster.
+    let body = Robot { max_speed: 1.0, ..settings.body.clone() };
+    let wrong = trial.score(&Reference::new(&moved, &body).expect("a start"));
+    assert_eq!(wrong, Err(ScoreError::OtherRobot));
+    let charged = Robot { battery: 9000.0, ..settings.body };
+    assert_eq!(trial.score(&Reference::new(&moved, &charged).expect("a start")), Ok(scores));
 }
 
 /// The flat simulator, driven backwards.

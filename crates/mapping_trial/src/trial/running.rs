@@ -16,6 +16,7 @@ use crate::autonomy::Autonomy;
 use crate::backend::{Command, Condition, RobotBackend};
 use crate::mappable_area::MappableAreaError;
 use crate::policy::{Decision, ExplorationPolicy};
+use crate::robot::Robot;
 use crate::score::{Reference, RunSummary, ScoreError, Scores, SweptCells, TrajectoryPair};
 
 /// Ticks between two looks at where people and leaves are.
@@ -362,10 +363,15 @@ impl<B: RobotBackend> Trial<B> {
         truth: &Reference,
         estimated: &[Vec<Pose>],
     ) -> Result<Scores, ScoreError> {
-        let (start, radius) = (self.starts[0].position, self.settings.body.circumscribed_radius);
-        let (found, found_radius) = (truth.start(), truth.robot().circumscribed_radius);
+        let (start, body) = (self.starts[0].position, &self.settings.body);
+        let (found, radius) = (truth.start(), body.circumscribed_radius);
+        let found_radius = truth.robot().circumscribed_radius;
         if (found, found_radius) != (start, radius) {
             return Err(ScoreError::Reference { found, found_radius, start, radius });
+        }
+        // A time limit by area has charged the battery.
+        if *truth.robot() != (Robot { battery: truth.robot().battery, ..body.clone() }) {
+            return Err(ScoreError::OtherRobot);
         }
         let robots = 0..self.robots();
         let tracks = self.score_tracks(estimated);

@@ -59,7 +59,8 @@ pub(super) fn starts(
     while (starts.len() as u32) < robots {
         let free = |p: DVec2| {
             let ground = grounds.at(p);
-            starts.iter().all(|other| other.position.distance(p) >= APART.max(2.5 * radius))
+            world.bounds.contains(p)
+                && starts.iter().all(|other| other.position.distance(p) >= APART.max(2.5 * radius))
                 && near.clearance(p) >= radius + 0.05
                 && ground.speed > 0.0
                 && !ground.water

@@ -108,6 +108,7 @@ impl Run {
                         estimates: &estimates,
                         map: &self.map,
                         scan: &self.scans[robot],
+                        since_scan: Pose::default(),
                         water: &[],
                         seen: &all_seen[robot],
                         body: &self.robot,

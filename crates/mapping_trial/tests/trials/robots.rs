@@ -1,6 +1,7 @@
 //! Robots of any size pass gaps that are wider than they are and refuse narrower ones: in plans, in
 //! the flat simulator and in the reference that scores are measured against.
 
+use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use mapping_trial::mappable_area::MappableArea;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::costmap::{CellCost, Costmap};
 use mapping_trial::policy::search::GridPlanner;
-use mapping_trial::robot::{Footprint, Robot};
+use mapping_trial::robot::{Footprint, LaserMount, Robot};
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
 
 use crate::drive::{frame, rect, world_of};
@@ -153,6 +154,32 @@ fn slow_robots_explore_as_well() {
             assert_eq!((end, scores.collisions), (Some(EndReason::Explored), 0), "{robot:?}");
             assert_eq!(trial.recoveries(0), 0, "{robot:?}");
             assert!(scores.coverage > 0.9 && scores.navigability > 0.9, "{robot:?}: {scores:?}");
+        }
+    }
+}
+
+/// Lasers of one scan in 1 to 5 s, and those that look backwards.
+#[test]
+fn slow_lasers_and_lasers_that_look_backwards_explore_as_well() {
+    let backwards = LaserMount { heading: PI, ..LaserMount::default() };
+    for (ticks_a_scan, laser_mount) in
+        [(20, LaserMount::default()), (100, LaserMount::default()), (4, backwards)]
+    {
+        for gap in [1.2, 2.0] {
+            let world = rooms(gap);
+            let settings = TrialSettings {
+                body: Robot { laser_mount: laser_mount.clone(), ..disc(0.3) },
+                laser: LaserProfile { ticks_a_scan, ..LaserProfile::USARSIM },
+                odometry: OdometryProfile::EXACT,
+                time_limit: 1200.0,
+                ..TrialSettings::default()
+            };
+            let mut trial = Trial::flat(&world, settings).expect("a free start");
+            while trial.step() {}
+            let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
+            let end = trial.end_of(0).map(|end| end.reason);
+            assert_eq!((end, scores.collisions), (Some(EndReason::Explored), 0), "{ticks_a_scan}");
+            assert!(scores.coverage > 0.9, "{ticks_a_scan}: {scores:?}");
         }
     }
 }

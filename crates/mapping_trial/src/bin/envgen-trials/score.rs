@@ -5,6 +5,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use envgen::export::ros_map::{RosCell, RosMap};
 use envgen::geometry::Pose;
 use envgen::import;
 use envgen::import::ros_map::read_ros_map;
@@ -18,6 +19,10 @@ use mapping_trial::tum::{self, TimedPose};
 use serde::Serialize;
 
 use crate::spinner::spinner;
+use crate::warning::warn;
+
+/// The least share of a map's free cells that are ground in a map without a warning.
+const LEAST_GROUND: f64 = 0.5;
 
 #[derive(Args)]
 #[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
@@ -130,11 +135,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     let map = OccupancyMap::from_ros_map(&ros_map, frame).in_file(path)?;
     let map = MapScores::of(&reference, &map);
+    let is_ground = ground_share(&ros_map, &map);
     let trajectory = match &trajectories {
         Some((estimated, truth)) => Some(score(estimated, truth, frame)?),
         None => None,
     };
     spinner.finish_and_clear();
+    if is_ground < LEAST_GROUND {
+        warn(&format!(
+            "only {:.0} % of the map's free cells are ground that the robot can cover: what it has not seen must be \
+             unknown in the map, or it counts as covered",
+            100.0 * is_ground
+        ));
+    }
 
     let report = Report {
         world: world.provenance.name(),
@@ -150,6 +163,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         print(&report);
         Ok(())
     }
+}
+
+/// The share of the free cells of a map that are ground which the robot can cover.
+fn ground_share(ros_map: &RosMap, scores: &MapScores) -> f64 {
+    let free = ros_map.cells.iter().filter(|cell| **cell == RosCell::Free).count() as f64;
+    let free_area = free * ros_map.resolution * ros_map.resolution;
+    scores.coverage * scores.free_area / free_area.max(f64::MIN_POSITIVE)
 }
 
 fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {

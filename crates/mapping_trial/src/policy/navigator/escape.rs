@@ -56,7 +56,7 @@ impl Navigator {
         let (next, command) = match stage {
             Escape::Look { heading, turned, best } => {
                 let turned = turned + wrap_angle(pose.heading - heading);
-                let best = self.freest(pose, best);
+                let best = self.freest(pose, view.body.laser_mount.heading, best);
                 let left = self.margins.survey.0 - turned;
                 if left > 0.1 {
                     let look = Escape::Look { heading: pose.heading, turned, best };
@@ -86,14 +86,14 @@ impl Navigator {
         Some(Decision::Drive(command))
     }
 
-    /// The better one of a direction, as its heading and worth, and where the robot faces: the scan then
-    /// sees both sides of the body.
-    fn freest(&self, pose: Pose, best: (f64, f64)) -> (f64, f64) {
+    /// The better one of a direction, as its heading and worth, and where the laser faces, `mount` from where the
+    /// robot does: the scan then sees both sides of the body.
+    fn freest(&self, pose: Pose, mount: f64, best: (f64, f64)) -> (f64, f64) {
         let (angle, most, weight) = SIDES;
-        let beside = |angle| self.guard.free_towards(unit_vector(angle)).min(most);
-        let ahead = self.guard.free_towards(DVec2::X).min(ENOUGH);
-        let worth = ahead + weight * (beside(-angle) + beside(angle));
-        if worth > best.1 { (pose.heading, worth) } else { best }
+        let free = |angle| self.guard.free_towards(unit_vector(mount + angle));
+        let beside = |angle| free(angle).min(most);
+        let worth = free(0.0).min(ENOUGH) + weight * (beside(-angle) + beside(angle));
+        if worth > best.1 { (pose.heading + mount, worth) } else { best }
     }
 
     /// Plans again: what blocked the robot may not block it from here.

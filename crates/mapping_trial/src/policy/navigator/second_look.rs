@@ -43,7 +43,7 @@ impl Navigator {
             return false;
         }
         second.narrow_goals += 1;
-        self.plan_for(true);
+        self.plan_for(view.robot, true);
         let mut wide = |planning: &mut Planning<'_>| {
             let frontiers = &*planning.frontiers;
             let wide: Vec<bool> = (0..frontiers.len())
@@ -59,7 +59,7 @@ impl Navigator {
             // A goal that is not reached does not count against the robot.
             self.pilots[view.robot].task = Task::Go { goal, deadline, squeezes: true, waited };
         } else {
-            self.plan_for(false);
+            self.plan_for(view.robot, false);
         }
         found
     }
@@ -109,6 +109,7 @@ mod tests {
                 estimates: &[Estimate { pose, ..Estimate::default() }],
                 map: &map,
                 scan: &scan,
+                since_scan: Pose::default(),
                 water: &[],
                 seen: &seen,
                 body: &body,

@@ -22,6 +22,9 @@ pub(super) const ARRIVED: f64 = 0.25;
 /// Radius in metres around a failed goal in which other goals are excluded.
 pub(super) const FAILED: f64 = 0.5;
 
+/// Seconds between two updates from the map.
+pub(super) const REFRESH: f64 = 1.0;
+
 /// How much slimmer the robot is taken to be for goals behind gaps that are too narrow on the map, in metres,
 /// and at most as a share of its radius: walls of the map that are off by this much in all close the narrowest
 /// gaps that it fits through.
@@ -33,14 +36,13 @@ pub(in crate::policy) struct Navigator {
     pub(in crate::policy) costmap: Costmap,
     /// Circumscribed radius of the robots in metres.
     radius: f64,
-    /// Whether the costmap is that of a slimmer robot.
+    /// Whether the costmap is that of a slimmer robot now.
     is_slim: bool,
     pub(super) frontiers: Frontiers,
     pub(super) search: GridPlanner,
     pub(in crate::policy) guard: Guard,
     pub(super) pilots: Vec<Pilot>,
     pub(super) failures: Vec<Failure>,
-    pub(super) refreshed: f64,
     pub(super) blocks: Vec<KeepoutZone>,
     pub(super) cells: Vec<DVec2>,
     pub(in crate::policy) margins: Margins,
@@ -62,6 +64,10 @@ pub(super) struct Pilot {
     pub(super) pursuit: Pursuit,
     pub(super) task: Task,
     pub(super) progress: Progress,
+    /// When it last took over the changes of the map.
+    pub(super) refreshed: Option<f64>,
+    /// Whether it plans for a slimmer robot.
+    is_slim: bool,
     pub(super) recovered: VecDeque<f64>,
     pub(super) recoveries: u32,
     pub(super) avoid: Vec<(f64, KeepoutZone)>,
@@ -136,7 +142,6 @@ impl Navigator {
             guard: Guard::new(robot, laser),
             pilots: (0..robots).map(|_| Pilot::default()).collect(),
             failures: Vec::new(),
-            refreshed: f64::NEG_INFINITY,
             blocks: Vec::new(),
             cells: Vec::new(),
             margins: Margins::of(robot, laser),
@@ -154,11 +159,28 @@ impl Navigator {
     /// Takes over the changes of the map.
     pub(super) fn refresh(&mut self, view: &PolicyInput<'_>) {
         self.costmap.refresh(view.map);
-        self.refreshed = view.seen.time;
+        self.pilots[view.robot].refreshed = Some(view.seen.time);
     }
 
-    /// Plans for the robot, or for a slimmer one.
-    pub(super) fn plan_for(&mut self, slim: bool) {
+    /// Takes them over if the robot has not done so for a while; returns whether it did.
+    pub(super) fn refresh_if_due(&mut self, view: &PolicyInput<'_>) -> bool {
+        let last = self.pilots[view.robot].refreshed;
+        let is_due = last.is_none_or(|last| view.seen.time - last >= REFRESH);
+        if is_due {
+            self.refresh(view);
+        }
+        is_due
+    }
+
+    /// From now on plans for a robot, or for a slimmer one in its place.
+    pub(super) fn plan_for(&mut self, robot: usize, slim: bool) {
+        self.pilots[robot].is_slim = slim;
+        self.plan_as_before(robot);
+    }
+
+    /// Plans as the robot does: another one may have planned since.
+    pub(super) fn plan_as_before(&mut self, robot: usize) {
+        let slim = self.pilots[robot].is_slim;
         if self.is_slim != slim {
             let radius = self.radius;
             let less = if slim { SLIMMER.0.min(SLIMMER.1 * radius) } else { 0.0 };
