@@ -646,6 +646,8 @@ CASES = [
     ),
     (stages, "indoor", INDOOR, change("usda", 'upAxis = "Z"', 'upAxis = "Y"'), "z up"),
     (stages, "indoor", INDOOR, change("usda", "def Cube", "def Cubo"), "is a Cubo"),
+    (stages, "indoor", INDOOR, change("usda", '"floor_plane"', '"carpet"'), "bodies, not"),
+    (stages, "indoor", INDOOR, change("usda", '"guide"', '"render"'), "what robots drive on"),
     (stages, "indoor", INDOOR, change("usda", "double", "dubble"), "Error"),
 ]
 

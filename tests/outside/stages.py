@@ -32,12 +32,25 @@ def judge(world, report):
         if name in ("start", "goal"):
             places[name] = [*matrix[3, :2], np.arctan2(matrix[0, 1], matrix[0, 0])]
             continue
+        if name == "floor_plane":
+            judge_floor(prim, matrix, world.data, report)
+            continue
         form = None if prim.IsA(UsdGeom.Sphere) else body(prim, matrix, report)
         if prim.HasAPI(UsdPhysics.CollisionAPI):
             bodies[name] = form
         check_extent(prim, report)
     compare("USD", bodies, parts, report)
     judge_places("USD", places, world.data, report)
+
+
+def judge_floor(prim, matrix, data, report):
+    """What robots drive on collides, is not drawn, and ends at z = 0 below the whole world."""
+    corners = placed(0.5 * np.array([(-1, -1, -1), (1, 1, 1)]), matrix)
+    bounds = np.array([data["bounds"]["min"], data["bounds"]["max"]])
+    is_below = np.allclose(corners[:, :2], bounds) and np.isclose(corners[1, 2], 0)
+    is_hidden = UsdGeom.Imageable(prim).GetPurposeAttr().Get() == UsdGeom.Tokens.guide
+    if not (is_below and is_hidden and prim.HasAPI(UsdPhysics.CollisionAPI)):
+        report.complain("USD: the floor_plane is not what robots drive on")
 
 
 def body(prim, matrix, report):

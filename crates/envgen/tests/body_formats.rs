@@ -122,3 +122,13 @@ fn worlds_without_start_and_with_wrong_outlines() {
         assert!(error.starts_with("obstacle_0 has no mesh"), "{error}");
     }
 }
+
+#[test]
+fn siblings_in_sdf_have_different_names() {
+    for world in worlds() {
+        let sdf = elements(&write(&world, "sdf"));
+        let collisions = named(&sdf, "collision");
+        let visuals = named(&sdf, "visual");
+        assert!(collisions.iter().all(|name| !visuals.contains(name)), "{collisions:?}");
+    }
+}

@@ -449,6 +449,19 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
             vec!["generate", "hallway", "--set", "p_st=0.5", "--set", "p_st=0.6", "--out", out],
             "--set p_st=0.6: `p_st` is set twice",
         ),
+        // The former name of `cell_size`.
+        (
+            vec!["generate", "indoor", "--set", "cell_size=2", "--set", "unit=4", "--out", out],
+            "--set unit=4: `cell_size` is set twice",
+        ),
+        (
+            vec!["generate", "indoor", "--scenario-seed", "5", "--out", out],
+            "--scenario-seed 5: applies to settings of what moves",
+        ),
+        (
+            vec!["generate", "forest", "--grid", "--out", "forest.csv"],
+            "--grid: applies to pictures",
+        ),
         (
             vec!["generate", "landscape", "--set", "rows=9999", "--set", "cols=9999", "--out", out],
             "--set rows=9999: `rows * cols` must be",
@@ -480,6 +493,11 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
         assert_eq!(code, 2, "{arguments:?}: {text}");
         assert!(text.contains(expected), "{arguments:?}: {text}");
     }
+    // The size of the world decides.
+    let file = folder.path().join("a.house.json");
+    let fine = ["generate", "indoor", "--resolution", "0.003", "--out", file.to_str().unwrap()];
+    let (code, text) = failure(&fine);
+    assert!(code == 1 && text.contains("67108864"), "{code} {text}");
     assert!(names(folder.path()).is_empty());
 }
 

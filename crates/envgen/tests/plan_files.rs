@@ -7,9 +7,10 @@ use std::path::Path;
 use envgen::export::{Format, Job};
 use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
+use envgen::hallway::HallwaySpec;
 use envgen::import::{read_geojson, read_houseexpo, reader};
 use envgen::world::{Doorway, Extent, Obstacle, ObstacleKind, Tree, Wall, WallKind};
-use envgen::{Provenance, Seed, World, WorldKind};
+use envgen::{Blueprint, Provenance, Seed, Spec, World, WorldKind};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -394,6 +395,16 @@ impl Building {
         let end = |edge: &Value, i: usize| self.vertices[edge[i].as_u64().unwrap() as usize];
         edges.map(|edge| [end(edge, 0), end(edge, 1)]).collect()
     }
+}
+
+#[test]
+fn the_lane_of_a_corridor_of_kilometres_is_written_at_once() {
+    let spec = HallwaySpec { segments: 20_000, p_st: 0.0, ..Default::default() };
+    let world = spec.generate(Seed(1)).unwrap().to_world();
+    let lanes = Building::of(&world).edges("lanes");
+    let length: f64 = lanes.iter().map(|[a, b]| a.distance(*b)).sum();
+    let direct = world.start.unwrap().position.distance(world.goal.unwrap().position);
+    assert!(direct > 10_000.0 && (length - direct).abs() < 1.0, "{length} m for {direct} m");
 }
 
 #[test]

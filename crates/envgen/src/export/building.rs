@@ -34,6 +34,10 @@ const CELL: f64 = 0.1;
 /// The most cells of that grid, about.
 const MOST_CELLS: f64 = 1e6;
 
+/// How many points of a path the next turn is looked for beyond the last one: in corridors of kilometres all would take
+/// hours.
+const LOOK_AHEAD: usize = 500;
+
 /// Writes the plan of a world.
 pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
     let mut out = BufWriter::new(out);
@@ -224,8 +228,8 @@ impl ReachableCells {
         // From each point to the last one that is seen from it.
         let (mut turns, mut at) = (Vec::new(), 0);
         while at + 1 < points.len() {
-            let seen =
-                (at + 2..points.len()).take_while(|&next| self.sees(points[at], points[next]));
+            let farthest = points.len().min(at + LOOK_AHEAD);
+            let seen = (at + 2..farthest).take_while(|&next| self.sees(points[at], points[next]));
             at = seen.last().unwrap_or(at + 1);
             turns.push(points[at]);
         }

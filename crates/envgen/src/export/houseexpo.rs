@@ -11,7 +11,7 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::error::ExportError;
-use super::ros_map::usual_resolution;
+use super::ros_map::{size_in_cells, usual_resolution};
 use crate::flood::flood;
 use crate::geometry::Pose;
 use crate::occupancy::{Coverage, OccupancyGrid};
@@ -46,6 +46,7 @@ pub(super) fn write(
     out: &mut dyn Write,
 ) -> Result<(), ExportError> {
     let side = resolution.unwrap_or_else(|| usual_resolution(world));
+    size_in_cells(world, side)?;
     let grid = OccupancyGrid::of(world, side, Coverage::Conservative)?;
     let frame = grid.frame();
     let from_start = world.start.and_then(|start| grid.cell_at(start.position));

@@ -97,7 +97,9 @@ fn link(xml: &mut Xml<'_>, piece: &Piece<'_>) -> Result<(), ExportError> {
     xml.nest("link", &[("name", piece.to_string())], |xml| {
         pose(xml, place, height, heading)?;
         if piece.is_solid {
-            xml.nest("collision", &kind, |xml| geometry(xml, &piece.form))?;
+            // Siblings must have different names, also of other elements.
+            let collision = [("name", format!("{}_collision", piece.kind))];
+            xml.nest("collision", &collision, |xml| geometry(xml, &piece.form))?;
         }
         xml.nest("visual", &kind, |xml| {
             geometry(xml, &piece.form)?;

@@ -25,6 +25,9 @@ use crate::world::World;
 /// of one item, which Pixar's reader refuses: so it is written as a list.
 const PREPENDED_SCHEMAS: &str = "prepend apiSchemas";
 
+/// Thickness in metres of what robots drive on.
+const FLOOR_THICKNESS: f64 = 0.1;
+
 /// Writes a world.
 pub(super) fn write(world: &World, mut out: &mut dyn Write) -> Result<(), ExportError> {
     let provenance = serde_json::to_string(&world.provenance).map_err(io::Error::from)?;
@@ -51,6 +54,7 @@ pub(super) fn write(world: &World, mut out: &mut dyn Write) -> Result<(), Export
     for piece in pieces(world) {
         write_piece(&mut layer, &mut root, &piece)?;
     }
+    write_floor(&mut layer, &mut root, world)?;
     root.finish(&mut layer);
     TextWriter::write(&layer.0, &mut out).map_err(|error| failure(error).into())
 }
@@ -119,6 +123,21 @@ fn write_piece(layer: &mut Layer, root: &mut Prim, piece: &Piece<'_>) -> Result<
         }
         prim.fields.push((PREPENDED_SCHEMAS, Value::TokenVec(schemas)));
     }
+    prim.finish(layer);
+    Ok(())
+}
+
+/// What robots drive on: a slab below the whole world that is not drawn.
+fn write_floor(layer: &mut Layer, root: &mut Prim, world: &World) -> Result<(), ExportError> {
+    let mut prim = root.child("floor_plane", "Cube")?;
+    prim.attribute(layer, "size", "double", Value::Double(1.0))?;
+    prim.extent(layer, DVec3::splat(-0.5), DVec3::splat(0.5))?;
+    let center = world.bounds.center().extend(-0.5 * FLOOR_THICKNESS);
+    let size = world.bounds.size().extend(FLOOR_THICKNESS);
+    prim.transform(layer, center, 0.0, Some(size))?;
+    prim.uniform(layer, "purpose", token("guide"))?;
+    let schemas = Value::TokenVec(vec!["PhysicsCollisionAPI".into()]);
+    prim.fields.push((PREPENDED_SCHEMAS, schemas));
     prim.finish(layer);
     Ok(())
 }

@@ -302,7 +302,7 @@ mod tests {
         let text = error(IndoorSpec { robot_radius: 0.2, ..base(16) });
         assert!(text.starts_with("`robot_radius` must be at least 0.36"), "{text}");
         let text = error(IndoorSpec { fixed: vec!["width".into()], ..base(16) });
-        assert!(text.starts_with("`fixed` must be any of difficulty, layout"), "{text}");
+        assert!(text.starts_with("`fixed` must be any of layout"), "{text}");
         let plain = IndoorSpec { mapping: Some(3.0), ..IndoorSpec::default() };
         let text = error(plain);
         assert_eq!(text, "`mapping` must be absent, except in the profile calibrated, got 3.0");

@@ -136,6 +136,9 @@ impl<'a> Levers<'a> {
     /// Widths of doorways, in whole centimetres: where there is no choice of them they stay as they are.
     fn doorways(&self, spec: &mut IndoorSpec, navigation: f64, seed: Seed) {
         let least = (2.0 * (spec.robot_radius + STEP)).max(LEAST_DOORWAY);
+        // Those that are to be kept stay the narrowest.
+        let kept = self.base.doorway_narrowest.filter(|_| self.kept.contains("doorway_narrowest"));
+        let least = kept.map_or(least, |narrowest| narrowest.max(least));
         let between_walls = centimetres(spec.cell_size - 2.0 * spec.wall_thickness, f64::floor);
         let widest = between_walls.min(least + WIDER).min(MOST_DOORWAY);
         let least = centimetres(least, f64::ceil);

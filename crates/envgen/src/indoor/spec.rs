@@ -45,6 +45,9 @@ pub(super) const LEVERS: [&str; 22] = [
 /// The default of [`IndoorSpec::dark_range`] in metres.
 const DARK_RANGE: f64 = 3.0;
 
+/// The most parts in rooms, and squares of mazes, that a map may come to have.
+const MAX_CONTENTS: f64 = 1e8;
+
 /// Width of the doorways in metres, unless set.
 const DOORWAY_WIDTH: f64 = 0.94;
 
@@ -314,7 +317,40 @@ impl IndoorSpec {
             return Err(SpecError::new("open_areas", false, allowed));
         }
         self.check_request()?;
-        self.check_rooms()
+        self.check_rooms()?;
+        self.check_contents()
+    }
+
+    /// Whether mazes and contents of rooms are not too many.
+    fn check_contents(&self) -> Result<(), SpecError> {
+        let cells = f64::from(self.width) * f64::from(self.height);
+        if cells * self.maze_squares() > MAX_CONTENTS {
+            let allowed = format!("large enough for at most {MAX_CONTENTS} squares of mazes");
+            return Err(SpecError::new("maze_passage", self.maze_passage, allowed));
+        }
+        let parts = cells * self.most_contents();
+        if parts > MAX_CONTENTS {
+            let allowed =
+                format!("so small that rooms have at most {MAX_CONTENTS} parts, not {parts:.0}");
+            return Err(SpecError::new("width", self.width, allowed));
+        }
+        Ok(())
+    }
+
+    /// Squares of mazes per cell, in the mean.
+    pub(super) fn maze_squares(&self) -> f64 {
+        let side = self.cell_size / (self.maze_passage + self.wall_thickness);
+        self.mazes * side * side
+    }
+
+    /// The most parts that a room of those that may be placed has per cell.
+    pub(super) fn most_contents(&self) -> f64 {
+        let parts = |room: &SharedRoom| {
+            let parts = room.walls.len() + room.obstacles.len() + room.surfaces.len();
+            parts as f64 / (f64::from(room.width) * f64::from(room.height))
+        };
+        let allowed = |room: &&SharedRoom| self.rooms.is_empty() || self.rooms.contains(&room.name);
+        self.catalogue().rooms().iter().filter(allowed).map(parts).fold(0.0, f64::max)
     }
 
     /// The catalogue: the spec's own, or the built-in one.
@@ -372,9 +408,11 @@ impl IndoorSpec {
 
     /// Checks what only the profile `calibrated` has.
     fn check_request(&self) -> Result<(), SpecError> {
+        // The difficulty is what is asked for, or drawn for other dials.
+        let fixable = || LEVERS.into_iter().filter(|name| *name != "difficulty");
         for name in &self.fixed {
-            if !LEVERS.contains(&name.as_str()) {
-                let allowed = format!("any of {}", LEVERS.join(", "));
+            if !fixable().any(|fixable| fixable == name) {
+                let allowed = format!("any of {}", fixable().collect::<Vec<_>>().join(", "));
                 return Err(SpecError::new("fixed", name, allowed));
             }
         }
@@ -445,11 +483,10 @@ impl IndoorSpec {
             return Err(SpecError::new("maze_passage", self.maze_passage, allowed));
         }
         if let Some(narrowest) = self.doorway_narrowest
-            && !(least..=self.doorway).contains(&narrowest)
+            && !(least..=doorway).contains(&narrowest)
         {
             let allowed = format!(
-                "from {least} m, which the robot passes, to the doorway of {} m, or none",
-                self.doorway
+                "from {least} m, which the robot passes, to the doorway of {doorway} m, or none"
             );
             return Err(SpecError::new("doorway_narrowest", narrowest, allowed));
         }

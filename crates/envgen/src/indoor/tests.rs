@@ -2,11 +2,14 @@
 //!
 //! Statistical tests use fixed seeds; each states its false-alarm rate.
 
+use glam::DVec2;
 use proptest::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use super::*;
-use crate::world::Contents;
+use crate::certificate::{Verdict, verify};
+use crate::geometry::Shape;
+use crate::world::{Contents, Wall, WallKind};
 use crate::{Blueprint, Seed, Spec, SpecError, World, WorldSpec};
 
 const SEEDS: u64 = 10_000;
@@ -514,5 +517,73 @@ fn blueprints_have_the_documented_fields() {
         "cycles",
     ] {
         assert!(!metrics[field].is_null(), "{field}");
+    }
+}
+
+#[test]
+fn what_would_hold_too_much_is_refused() {
+    let large = IndoorSpec { width: 1024, height: 1024, ..Default::default() };
+    assert!(large.validate().is_ok());
+    let narrow = IndoorSpec {
+        mazes: 1.0,
+        maze_passage: 0.12,
+        robot_radius: 0.01,
+        wall_thickness: 0.01,
+        ..large.clone()
+    };
+    assert_eq!(narrow.validate().unwrap_err().field, "maze_passage");
+    assert!(IndoorSpec { width: 64, height: 64, ..narrow.clone() }.validate().is_ok());
+    // What programs ask before they generate is about as much as comes out.
+    let narrow = IndoorSpec { width: 64, height: 64, ..narrow };
+    assert!(narrow.work() > 20.0 * IndoorSpec { mazes: 0.0, ..narrow.clone() }.work());
+
+    let mut full = RoomDesign::bare("full", 1, 1, 3.0);
+    let wall = |i: u32| {
+        let y = 0.5 + 0.0002 * f64::from(i);
+        let center = DVec2::new(1.5, y);
+        let shape = Shape::Box { center, half_size: DVec2::new(1.0, 0.0001), heading: 0.0 };
+        Wall::new(WallKind::Wall, shape)
+    };
+    full.walls.extend((0..9000).map(wall));
+    let catalogue = Some(Catalogue::new([full]).unwrap());
+    let full = IndoorSpec { catalogue, ..large };
+    assert_eq!(full.validate().unwrap_err().field, "width");
+}
+
+#[test]
+fn rooms_in_which_the_robot_has_no_place_are_not_claimed_to_be_reachable() {
+    let spec = IndoorSpec {
+        doorway: 2.8,
+        robot_radius: 1.35,
+        rooms: vec!["single office".to_owned()],
+        ..thesis(5.0, 8)
+    };
+    for seed in 0..20 {
+        let world = spec.generate(Seed(seed)).unwrap().to_world();
+        for (claim, verdict) in verify(&world) {
+            assert_eq!(verdict, Verdict::Holds, "{seed}: {claim:?}");
+        }
+    }
+}
+
+#[test]
+fn doorways_of_calibrated_maps_are_not_narrower_than_asked() {
+    for narrowest in [0.82, 0.9, 1.2] {
+        let spec = IndoorSpec {
+            width: 8,
+            height: 8,
+            profile: Profile::Calibrated,
+            doorway_narrowest: Some(narrowest),
+            ..Default::default()
+        };
+        for seed in 0..12 {
+            let plan = spec.generate(Seed(seed)).unwrap();
+            assert_eq!(plan.spec().doorway_narrowest, Some(narrowest));
+            assert_eq!(plan.spec().validate(), Ok(()), "{seed}");
+            for doorway in plan.to_world().doorways {
+                let width = doorway.shape.bounds().size().max_element();
+                assert!(width >= narrowest - 1e-9, "{narrowest} {seed}: {width}");
+            }
+        }
     }
 }

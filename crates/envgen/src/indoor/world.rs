@@ -36,7 +36,8 @@ pub(super) fn world(plan: &FloorPlan) -> World {
         world.goal = Some(Pose { position: access.places()[goal].at, heading: 0.0 });
         let radius = spec.robot_radius;
         world.certificate.push(Claim::Connected { radius });
-        if distances.iter().all(|distance| distance.is_finite()) {
+        if distances.iter().all(|distance| distance.is_finite()) && has_place_in_all(plan, &access)
+        {
             world.certificate.push(Claim::EveryPlaceReachable { radius });
         }
         for (i, opening) in plan.openings.iter().enumerate() {
@@ -267,10 +268,24 @@ fn start(plan: &FloorPlan, access: &AccessGraph) -> Option<u32> {
     if cells.is_empty() {
         cells = of_kind(false);
     }
+    if cells.is_empty() {
+        return None;
+    }
     let drawn = plan
         .seed
         .map_or(0, |seed| seed.stream("indoor/start", 0).below(cells.len() as u64) as usize);
     cells.get(drawn).copied()
+}
+
+/// Whether the robot fits somewhere in every room: one that is full has no place that could be out of reach.
+fn has_place_in_all(plan: &FloorPlan, access: &AccessGraph) -> bool {
+    let mut has_place = vec![false; plan.rooms.len()];
+    for place in access.places() {
+        if let PlaceKind::Room { room, .. } = place.kind {
+            has_place[room as usize] = true;
+        }
+    }
+    has_place.into_iter().all(|has_place| has_place)
 }
 
 /// The direction of the first link of a place.

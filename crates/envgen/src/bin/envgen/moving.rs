@@ -43,6 +43,11 @@ impl Moving {
             }
             return Ok(Some(read_scenario(path, world)?));
         }
+        if let Some(seed) = self.scenario_seed.filter(|_| spec.is_none()) {
+            let text = "applies to settings of what moves such as doors=0.5, but none is set";
+            let failure = Failure::Usage(text.to_owned());
+            return Err(failure.about(format!("--scenario-seed {seed}")));
+        }
         let Some(spec) = spec.filter(|spec| !spec.is_still()) else { return Ok(None) };
         let scenario = Scenario::new(world, &spec, self.scenario_seed.unwrap_or(seed));
         scenario.map(Some).map_err(|error| Failure::from(error).about("--set"))

@@ -38,7 +38,9 @@ pub(crate) struct Source {
 impl Source {
     /// The spec with its settings, checked.
     pub(crate) fn spec(&self) -> Result<WorldSpec, Failure> {
-        self.with_settings(self.unset()?, &self.settings()?)
+        let spec = self.unset()?;
+        let settings = self.settings(spec.kind())?;
+        self.with_settings(spec, &settings)
     }
 
     /// As [`Source::spec`], with the settings of what moves, if any is set.
@@ -49,7 +51,7 @@ impl Source {
                 && !spec.kind().settings().iter().any(|setting| setting.name == name)
         };
         let (moving, still): (Vec<_>, Vec<_>) =
-            self.settings()?.into_iter().partition(|(name, ..)| is_moving(name));
+            self.settings(spec.kind())?.into_iter().partition(|(name, ..)| is_moving(name));
         let spec = self.with_settings(spec, &still)?;
         let mut scenario = ScenarioSpec::default();
         for &(name, value, option) in &moving {
@@ -108,7 +110,7 @@ impl Source {
     }
 
     /// Name, value and whole text of each setting.
-    fn settings(&self) -> Result<Vec<(&str, &str, &str)>, Failure> {
+    fn settings(&self, kind: WorldKind) -> Result<Vec<(&str, &str, &str)>, Failure> {
         let mut settings: Vec<(&str, &str, &str)> = Vec::new();
         for option in &self.settings {
             let usage =
@@ -116,6 +118,8 @@ impl Source {
             let (name, value) =
                 option.split_once('=').ok_or_else(|| usage("is not of the form name=value"))?;
             let name = name.trim();
+            // A former name is one of the same setting.
+            let name = kind.setting(name).map_or(name, |setting| setting.name);
             if settings.iter().any(|(other, ..)| *other == name) {
                 return Err(usage(&format!("`{name}` is set twice")));
             }

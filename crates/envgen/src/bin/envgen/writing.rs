@@ -48,6 +48,7 @@ impl Writing {
         let outputs = Output::all(&self.out, inputs)?;
         let resolution = self.resolution;
         check_resolution(resolution, &outputs)?;
+        self.picture.check_use(&outputs)?;
         let mut files = Vec::new();
         for output in &outputs {
             files.push(output.create()?);
@@ -114,6 +115,26 @@ struct PictureFile {
 }
 
 impl PictureFile {
+    /// Checks that what is asked of pictures is asked for one.
+    fn check_use(&self, outputs: &[Output]) -> Result<(), Failure> {
+        let is_picture = |output: &Output| matches!(output.format, Format::Svg | Format::Png);
+        if outputs.iter().any(is_picture) {
+            return Ok(());
+        }
+        let asked = [
+            ("--title", self.title.is_some()),
+            ("--grid", self.grid),
+            ("--curvature-profile", self.curvature_profile),
+        ];
+        match asked.into_iter().find(|(_, is_asked)| *is_asked) {
+            Some((option, _)) => {
+                let text = "applies to pictures, but no --out ends with .svg or .png".to_owned();
+                Err(Failure::Usage(text).about(option))
+            }
+            None => Ok(()),
+        }
+    }
+
     fn options(&self) -> Result<PictureOptions, Failure> {
         let options = PictureOptions {
             width: self.picture_width,

@@ -281,3 +281,23 @@ proptest! {
         prop_assert!(!editor.redo());
     }
 }
+
+#[test]
+fn a_plan_without_any_floor_has_a_world_without_a_start() {
+    let mut editor = bare();
+    for y in 0..9 {
+        for x in 0..10 {
+            match editor.plan().grid().get(x, y) {
+                Some(Cell::Hallway) => editor.apply(Edit::RemoveHallway { x, y }).unwrap(),
+                Some(Cell::Open) => {
+                    editor.apply(Edit::AddHallway { x, y }).unwrap();
+                    editor.apply(Edit::RemoveHallway { x, y }).unwrap();
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(!editor.plan().grid().cells().iter().any(|cell| cell.is_floor()));
+    let world = editor.plan().to_world();
+    assert_eq!((world.start, world.check()), (None, Ok(())));
+}
