@@ -15,7 +15,9 @@ use crate::environment::{
     EnvironmentFailure, EnvironmentReady, EnvironmentState, EnvironmentStats, GenerationMode,
     GroundTruth, RebuildEnvironment, WorldSource,
 };
-use crate::job::{Generated, GenerationJob, Job, Outcome, PendingEvents, Request, SpawnedTiles};
+use crate::job::{
+    Generated, GenerationJob, Job, Outcome, PendingEvents, Request, SpawnedOrigin, SpawnedTiles,
+};
 use crate::landmarks::EnvironmentLandmarks;
 use crate::place::{check_transform, global_transform, propagate};
 use crate::plan::Plan;
@@ -63,6 +65,7 @@ pub(crate) fn request_worlds(
             );
         }
         slot.stale = false;
+        slot.requests += 1;
         let spec = match &ask.environment.source {
             WorldSource::Spec(spec) => Some(WorldSpec::clone(spec)),
             WorldSource::World(_) => None,
@@ -209,10 +212,10 @@ fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made
     crate::scenario::remove(world, entity);
     let Ok(mut root) = world.get_entity_mut(entity) else { return };
     root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
-    let (layout, tile) = match root.get::<GenerationJob>().and_then(|slot| slot.asked.as_ref()) {
-        Some(ask) => (ask.environment.layout(), ask.tile),
-        None => return,
-    };
+    let Some(slot) = root.get::<GenerationJob>() else { return };
+    let Some(ask) = &slot.asked else { return };
+    let (layout, tile, request) = (ask.environment.layout(), ask.tile, slot.requests);
+    root.insert(SpawnedOrigin(layout.origin));
     match made {
         Generated::Finite(plan) => {
             let stats = EnvironmentStats { parts: Some(plan.parts), solids: Some(plan.solids) };
@@ -228,7 +231,7 @@ fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made
     let mut spawned_tiles = SpawnedTiles::default();
     if tile.is_some() {
         root.insert((
-            Streaming::new(made.clone(), layout),
+            Streaming::new(made.clone(), layout, request),
             spawned_tiles,
             EnvironmentState::Streaming,
         ));
@@ -243,8 +246,10 @@ fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made
             spawned_tiles.tiles.insert(key, spawned);
         }
     }
-    // An observer of its tiles may have despawned the environment.
-    if let Ok(mut root) = world.get_entity_mut(entity) {
+    // An observer of its tiles may have despawned or removed the environment.
+    if let Ok(mut root) = world.get_entity_mut(entity)
+        && root.contains::<Environment>()
+    {
         root.insert(spawned_tiles);
         world.get_resource_or_init::<PendingEvents>().push(entity, Ok(()));
     }
@@ -294,7 +299,8 @@ pub(crate) fn watch_transforms(
                 notices.push(entity, Err(error));
                 commands.queue(move |world: &mut World| suspend(world, entity));
             }
-            (Ok(()), true) => {
+            // Once: a transform that changes in every frame would begin a task anew each time.
+            (Ok(()), true) if matches!(slot.job, Job::Idle) && !slot.stale => {
                 slot.stale = true;
                 *state = EnvironmentState::Waiting;
             }

@@ -10,6 +10,7 @@ use bevy::tasks::Task;
 #[cfg(feature = "asset")]
 use envgen::WorldSpec;
 use envgen::forest::EndlessForest;
+use envgen::glam::DVec2;
 
 use crate::environment::{Environment, EnvironmentError};
 use crate::plan::{Plan, TileKey};
@@ -19,6 +20,8 @@ use crate::plan::{Plan, TileKey};
 pub(crate) struct GenerationJob {
     /// The last request.
     pub(crate) asked: Option<Request>,
+    /// Counts the requests.
+    pub(crate) requests: u64,
     /// Whether it must be rebuilt although the environment did not change.
     pub(crate) stale: bool,
     /// The spec that the asset held when it was last used.
@@ -77,6 +80,15 @@ pub(crate) struct SpawnedTiles {
     pub(crate) suspended: bool,
 }
 
+/// The origin of the world that is spawned: that of the [`Environment`] may be of the next one.
+#[derive(Component)]
+pub(crate) struct SpawnedOrigin(pub(crate) DVec2);
+
+/// The origin of the world that is spawned below an environment.
+pub(crate) fn spawned_origin(world: &World, environment: Entity) -> DVec2 {
+    world.get::<SpawnedOrigin>(environment).map_or(DVec2::ZERO, |origin| origin.0)
+}
+
 /// Events to send once the world is consistent.
 #[derive(Resource, Default)]
 pub(crate) struct PendingEvents(pub(crate) Vec<(Entity, Result<(), EnvironmentError>)>);
@@ -88,6 +100,11 @@ impl PendingEvents {
 }
 
 impl GenerationJob {
+    /// Whether the world of a request is spawned, by its number, and no other has been requested since.
+    pub(crate) fn is_settled(&self, request: u64) -> bool {
+        matches!(self.job, Job::Idle) && !self.stale && self.requests == request
+    }
+
     /// Whether it waits for an asset.
     #[cfg(feature = "asset")]
     pub(crate) fn waits(&self) -> bool {
@@ -98,6 +115,7 @@ impl GenerationJob {
     #[cfg(feature = "asset")]
     pub(crate) fn fail(&mut self, error: EnvironmentError) {
         self.job = Job::Done(error.into());
+        self.requests += 1;
         // The same spec again is a repair.
         self.spec = None;
     }

@@ -6,7 +6,7 @@ use envgen::World as EnvgenWorld;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
 
-use crate::environment::{SolidStorage, TileLayout};
+use crate::environment::{Environment, SolidStorage, TileLayout};
 use crate::height::HeightRange;
 use crate::part::{
     Doorway, Goal, Ground, Obstacle, PartId, PartKind, PartOf, RoadStrip, Room, Start, Surface,
@@ -199,14 +199,14 @@ pub(crate) fn spawn_trees(
     Some(ancestors.tile)
 }
 
-/// Spawns a tile without its parts; `None` when an observer has despawned the environment.
+/// Spawns a tile without its parts; `None` when an observer has despawned or removed the environment.
 fn spawn_tile(
     world: &mut World,
     environment: Entity,
     key: TileKey,
     page: usize,
 ) -> Option<Ancestors> {
-    world.get_entity(environment).ok()?;
+    world.get::<Environment>(environment)?;
     let TileKey { level, at: [i, j] } = key;
     let name = Name::new(format!("tile ({i}, {j})"));
     let tile = Tile { level, at: key.at, page: page as u32 };

@@ -15,7 +15,7 @@ use crate::diagnostics::{EnvgenDiagnosticsPlugin, measure};
 use crate::environment::{
     Environment, EnvironmentError, EnvironmentState, GenerationMode, TileLayout,
 };
-use crate::job::{Generated, PendingEvents, SpawnedTiles};
+use crate::job::{Generated, GenerationJob, PendingEvents, SpawnedTiles};
 use crate::place::global_transform;
 use crate::plan::{Plan, TileKey, distance};
 use crate::spawn::{TileSolids, spawn_page, spawn_trees};
@@ -117,6 +117,8 @@ pub struct StreamingReport {
 pub(crate) struct Streaming {
     made: Generated,
     layout: TileLayout,
+    /// The number of the request that it is the world of.
+    request: u64,
     /// Tiles that are fully spawned.
     complete: BTreeSet<TileKey>,
     /// Tiles of an endless forest that are generated or being generated, but not fully spawned.
@@ -134,10 +136,10 @@ enum Drawing {
 }
 
 impl Streaming {
-    pub(crate) fn new(made: Generated, layout: TileLayout) -> Self {
+    pub(crate) fn new(made: Generated, layout: TileLayout, request: u64) -> Self {
         let (complete, drawn) = (BTreeSet::new(), Vec::new());
         let (settled, refused, warned) = (false, None, false);
-        Streaming { made, layout, complete, drawn, settled, refused, warned }
+        Streaming { made, layout, request, complete, drawn, settled, refused, warned }
     }
 
     /// Waits for its tasks; false when it has none.
@@ -253,7 +255,7 @@ fn stream(
         return;
     };
     let Some(mut known) = entity.get_mut::<Streaming>() else { return };
-    let placeholder = Streaming::new(known.made.clone(), known.layout);
+    let placeholder = Streaming::new(known.made.clone(), known.layout, known.request);
     let mut streaming = std::mem::replace(&mut *known, placeholder);
     streaming.warned = false;
     let mut streamer =
@@ -318,7 +320,9 @@ impl TileStreamer<'_> {
         };
         match wanted {
             Ok(mut wanted) => {
+                let is_current = self.is_current();
                 if self.streaming.refused.take().is_some()
+                    && is_current
                     && let Ok(mut root) = self.world.get_entity_mut(self.root)
                 {
                     root.insert(EnvironmentState::Streaming);
@@ -326,7 +330,11 @@ impl TileStreamer<'_> {
                 wanted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 let waiting = self.settle(&wanted);
                 self.report.waiting += waiting;
-                if waiting == 0 && !std::mem::replace(&mut self.streaming.settled, true) {
+                // Of a world that another one is requested in place of nothing is reported.
+                if waiting == 0
+                    && is_current
+                    && !std::mem::replace(&mut self.streaming.settled, true)
+                {
                     self.world.get_resource_or_init::<PendingEvents>().push(self.root, Ok(()));
                 }
             }
@@ -341,6 +349,12 @@ impl TileStreamer<'_> {
         }
     }
 
+    /// Whether the world is the one that was requested last.
+    fn is_current(&self) -> bool {
+        let job = self.world.get::<GenerationJob>(self.root);
+        job.is_some_and(|slot| slot.is_settled(self.streaming.request))
+    }
+
     /// Takes steps towards the wanted tiles, nearest first; returns the number of tiles still to be
     /// spawned or despawned.
     fn settle(&mut self, wanted: &[(f64, TileKey)]) -> usize {
@@ -348,6 +362,16 @@ impl TileStreamer<'_> {
         keys.sort_unstable();
         let is_wanted = |key: &TileKey| keys.binary_search(key).is_ok();
         self.streaming.drawn.retain(|(key, _)| is_wanted(key));
+
+        // Tiles that are left behind go first where they have become many: else spawning takes the whole budget of a
+        // fast anchor.
+        let left: Vec<TileKey> =
+            self.spawned_tiles.tiles.keys().filter(|key| !is_wanted(key)).copied().collect();
+        if 4 * left.len() > wanted.len()
+            && let Some(&key) = left.first()
+        {
+            self.remove(key);
+        }
 
         let mut waiting = 0;
         for (_, key) in wanted {
@@ -361,9 +385,7 @@ impl TileStreamer<'_> {
             }
         }
 
-        let unwanted: Vec<TileKey> =
-            self.spawned_tiles.tiles.keys().filter(|key| !is_wanted(key)).copied().collect();
-        for key in unwanted {
+        for key in left {
             waiting += usize::from(!self.remove(key));
         }
         waiting

@@ -15,6 +15,7 @@ use self::ground::class_rectangles;
 pub use self::palette::{WorldPalette, color};
 use self::part_group::{GroupMaterials, PartGroup, material};
 use crate::environment::{Environment, GroundTruth};
+use crate::job::spawned_origin;
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
 use crate::scenario::{Door, DoorLeaf, Person, Smoke};
 use crate::shape::PartShape;
@@ -168,8 +169,7 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartGroup, Drawing
 /// Adds the exact surface of a road, from the world itself.
 fn add_road(drawing: &mut Drawing, world: &World, environment: Entity, id: PartId) {
     let truth = world.get::<GroundTruth>(environment);
-    let origin = world.get::<Environment>(environment).map(|environment| environment.origin);
-    let (Some(truth), Some(origin)) = (truth, origin) else { return };
+    let (Some(truth), origin) = (truth, spawned_origin(world, environment)) else { return };
     let Some(strip) = truth.road_strips.get(id.index as usize) else { return };
     let mesh = strip.mesh(ROAD_TOLERANCE);
     drawing.add(mesh.vertices.iter().map(|v| (*v - origin).as_vec2()), &mesh.triangles);

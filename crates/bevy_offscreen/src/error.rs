@@ -8,6 +8,9 @@ use thiserror::Error;
 /// The largest side of a picture in pixels, which every driver can draw.
 pub const MAX_SIDE: u32 = 8192;
 
+/// The number of frames after which a missing picture is an error.
+pub(crate) const MOST_FRAMES: u32 = 100;
+
 /// Why a picture or film cannot be made.
 #[derive(Debug, Error)]
 #[non_exhaustive]

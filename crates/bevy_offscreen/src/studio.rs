@@ -24,11 +24,8 @@ use bevy::time::{TimePlugin, TimeUpdateStrategy};
 use bevy::window::{ExitCondition, WindowPlugin};
 
 use crate::captured_image::CapturedImage;
-use crate::error::{CaptureError, MAX_SIDE};
+use crate::error::{CaptureError, MAX_SIDE, MOST_FRAMES};
 use crate::request::{CapturePlugin, Supersampling};
-
-/// The number of frames after which a missing picture is an error.
-const MOST_FRAMES: u32 = 100;
 
 /// What is nearer to a camera in perspective is not drawn, in the units of the app.
 #[cfg(feature = "render3d")]

@@ -10,6 +10,7 @@ use bevy_rapier2d::rapier::prelude::SolverFlags;
 
 use super::collider;
 use crate::height::HeightRange;
+use crate::part::PartId;
 use crate::shape::PartShape;
 
 /// Rapier's hooks of [`TopDownPhysicsPlugin`](super::TopDownPhysicsPlugin): colliders whose [`HeightRange`]s do not
@@ -23,12 +24,7 @@ pub struct HeightHooks<'w, 's> {
 }
 
 impl BevyPhysicsHooks for HeightHooks<'_, '_> {
-    /// As rapier without hooks, two bodies of which none is dynamic do not collide.
     fn filter_contact_pair(&self, pair: PairFilterContextView<'_>) -> Option<SolverFlags> {
-        let dynamic = [pair.raw.rigid_body1, pair.raw.rigid_body2].into_iter().flatten();
-        if !dynamic.into_iter().any(|body| pair.raw.bodies[body].is_dynamic()) {
-            return None;
-        }
         // A body's height is on its own entity, or on that of one of its colliders.
         let height = |collider: Entity, body: Option<Entity>| {
             self.heights.get(collider).or_else(|_| self.heights.get(body.unwrap_or(collider))).ok()
@@ -46,10 +42,42 @@ pub(super) fn filter_contacts(
     heights: Query<(&HeightRange, Option<&ActiveHooks>)>,
     mut commands: Commands,
 ) {
-    let Ok((height, hooks)) = heights.get(inserted.entity) else { return };
-    if height.bottom > 0.0 {
-        let hooks = hooks.copied().unwrap_or_default() | ActiveHooks::FILTER_CONTACT_PAIRS;
-        commands.entity(inserted.entity).try_insert(hooks);
+    if let Ok((height, hooks)) = heights.get(inserted.entity)
+        && height.bottom > 0.0
+    {
+        filter(&mut commands, inserted.entity, hooks);
+    }
+}
+
+/// The same for bodies whose height changes, and for the colliders below a body that has the height: rapier reads from
+/// colliders what to ask about. Parts stay as they are spawned.
+pub(super) fn filter_bodies(
+    raised: Query<(Entity, &HeightRange), (Changed<HeightRange>, Without<PartId>)>,
+    added: Query<Entity, (Added<Collider>, Without<PartId>)>,
+    heights: Query<&HeightRange>,
+    parents: Query<&ChildOf>,
+    children: Query<&Children>,
+    colliders: Query<Option<&ActiveHooks>, With<Collider>>,
+    mut commands: Commands,
+) {
+    let is_raised = |entity: Entity| heights.get(entity).is_ok_and(|height| height.bottom > 0.0);
+    let below = |entity: Entity| std::iter::once(entity).chain(children.iter_descendants(entity));
+    let of_raised = raised.iter().filter(|(_, height)| height.bottom > 0.0);
+    let of_raised = of_raised.flat_map(|(entity, _)| below(entity));
+    let below_raised = added
+        .iter()
+        .filter(|&collider| is_raised(collider) || parents.iter_ancestors(collider).any(is_raised));
+    for collider in of_raised.chain(below_raised) {
+        if let Ok(hooks) = colliders.get(collider) {
+            filter(&mut commands, collider, hooks);
+        }
+    }
+}
+
+fn filter(commands: &mut Commands, collider: Entity, hooks: Option<&ActiveHooks>) {
+    let hooks = hooks.copied().unwrap_or_default();
+    if !hooks.contains(ActiveHooks::FILTER_CONTACT_PAIRS) {
+        commands.entity(collider).try_insert(hooks | ActiveHooks::FILTER_CONTACT_PAIRS);
     }
 }
 

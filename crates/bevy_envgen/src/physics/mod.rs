@@ -63,6 +63,9 @@ impl Plugin for EnvgenPhysicsPlugin {
             .add_observer(height::filter_contacts)
             .add_observer(moving::embody)
             .add_observer(moving::hang)
+            // Before physics, which may run in either.
+            .add_systems(FixedPreUpdate, height::filter_bodies)
+            .add_systems(main, height::filter_bodies.after(EnvgenSystems::Notify))
             .add_systems(
                 main,
                 moving::report_collisions

@@ -1,7 +1,7 @@
 //! Where people and leaves are in the frame of their environment.
 
 use bevy::prelude::*;
-use envgen::scenario::{Leaf, PersonState};
+use envgen::scenario::{Leaf, PersonState, ScenarioState};
 
 use super::part::DoorLeaf;
 use crate::shape::LocalFrame;
@@ -11,15 +11,20 @@ pub(super) fn person_pose(frame: LocalFrame, person: &PersonState) -> Transform 
     frame.pose(person.position, libm::atan2(person.facing.y, person.facing.x))
 }
 
-/// A leaf, and its pose in the frame of its door; without a leaf, it is in the wall.
-pub(super) fn leaf_pose(
+/// The leaves of a door, and their poses in its frame. One that is in the wall has no length, and waits where it comes out.
+pub(super) fn leaf_poses(
     frame: LocalFrame,
     door: &Transform,
-    leaf: Option<&Leaf>,
-) -> (DoorLeaf, Transform) {
-    let Some(leaf) = leaf else { return (DoorLeaf { length: 0.0 }, Transform::IDENTITY) };
-    let along = leaf.tip - leaf.hinge;
-    let mut at = frame.pose(leaf.hinge, libm::atan2(along.y, along.x));
-    at.translation -= door.translation;
-    (DoorLeaf { length: along.length() as f32 }, at)
+    state: &ScenarioState,
+    index: usize,
+) -> impl Iterator<Item = (DoorLeaf, Transform)> {
+    let place = move |leaf: Leaf| {
+        let along = leaf.tip - leaf.hinge;
+        let mut at = frame.pose(leaf.hinge, libm::atan2(along.y, along.x));
+        at.translation -= door.translation;
+        (DoorLeaf { length: along.length() as f32 }, at)
+    };
+    let closed = state.leaves_at(index, 0.0).map(place);
+    let mut now = state.leaves(index).map(place);
+    closed.map(move |(_, at)| now.next().unwrap_or((DoorLeaf { length: 0.0 }, at)))
 }

@@ -8,12 +8,13 @@ use envgen::glam::DVec2;
 use envgen::scenario::{DoorCommand, Scenario, ScenarioState};
 
 use super::part::{Door, Person, Smoke};
-use super::pose::{leaf_pose, person_pose};
+use super::pose::{leaf_poses, person_pose};
 use super::request::{
     EnvironmentScenario, RestartScenario, ScenarioError, ScenarioFailed, ScenarioFailure,
     ScenarioStarted,
 };
-use crate::environment::{EndlessTruth, Environment, GroundTruth};
+use crate::environment::{EndlessTruth, GroundTruth};
+use crate::job::spawned_origin;
 use crate::part::PartOf;
 use crate::place::{check_transform, global_transform};
 use crate::shape::LocalFrame;
@@ -24,6 +25,8 @@ use crate::shape::LocalFrame;
 #[component(clone_behavior = Ignore)]
 pub struct ScenarioRun {
     scenario: Arc<Scenario>,
+    /// The origin of the world that it runs in.
+    pub(super) origin: DVec2,
     pub(super) state: ScenarioState,
     pub(super) switches: Switches,
     pub(super) people: Vec<Entity>,
@@ -184,12 +187,8 @@ pub(crate) fn remove(world: &mut World, environment: Entity) {
 /// Begins the scenario of an environment in place of the one that it has.
 fn begin(world: &mut World, entity: Entity, switches: Switches) {
     let Ok(root) = world.get_entity(entity) else { return };
-    let (Some(request), Some(environment)) =
-        (root.get::<EnvironmentScenario>(), root.get::<Environment>())
-    else {
-        return;
-    };
-    let origin = environment.origin;
+    let Some(request) = root.get::<EnvironmentScenario>() else { return };
+    let origin = spawned_origin(world, entity);
     let known = root.get::<ScenarioRun>().map(|run| Arc::clone(&run.scenario));
     let made = match root.get::<GroundTruth>() {
         Some(truth) => request.of(truth).map_err(ScenarioError::from).and_then(|scenario| {
@@ -241,8 +240,6 @@ fn spawn(
     });
     let people = people.collect();
     let doors = (0..).zip(scenario.doors.iter().zip(state.doors())).map(|(index, (door, now))| {
-        let leaves: Vec<_> = state.leaves(index as usize).collect();
-        // An open sliding leaf is in the wall.
         let at = frame.pose(state.doorway_middle(index as usize), 0.0);
         let part = Door {
             index,
@@ -255,8 +252,7 @@ fn spawn(
         let name = Name::new(format!("door {index}"));
         let above = global.mul_transform(at);
         let entity = world.spawn((part, name, at, above, belongs.clone())).id();
-        let leaves = (0..door.kind.leaves()).map(|i| {
-            let (leaf, at) = leaf_pose(frame, &at, leaves.get(i));
+        let leaves = leaf_poses(frame, &at, &state, index as usize).map(|(leaf, at)| {
             let place = (at, above.mul_transform(at), ChildOf(entity), PartOf(environment));
             world.spawn((leaf, Name::new("leaf"), place)).id()
         });
@@ -270,5 +266,5 @@ fn spawn(
         world.spawn((part, name, at, global.mul_transform(at), belongs.clone())).id()
     });
     let smoke = smoke.collect();
-    ScenarioRun { scenario, state, switches: Switches::default(), people, doors, smoke }
+    ScenarioRun { scenario, origin, state, switches: Switches::default(), people, doors, smoke }
 }

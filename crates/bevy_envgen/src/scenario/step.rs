@@ -4,13 +4,12 @@ use bevy::prelude::*;
 
 use super::ScenarioAgent;
 use super::part::{Door, DoorChange, DoorChanged, DoorLeaf, Person, PersonReacted, Smoke};
-use super::pose::{leaf_pose, person_pose};
+use super::pose::{leaf_poses, person_pose};
 use super::run::ScenarioRun;
-use crate::environment::Environment;
 use crate::shape::LocalFrame;
 
 /// A scenario that runs.
-type Running = (Entity, &'static mut ScenarioRun, &'static Environment, &'static GlobalTransform);
+type Running = (Entity, &'static mut ScenarioRun, &'static GlobalTransform);
 
 /// Moves everything for a step of the schedule.
 pub(super) fn step(
@@ -19,11 +18,12 @@ pub(super) fn step(
     agents: Query<&ScenarioAgent>,
     mut doors: Query<&mut Door>,
 ) {
-    for (entity, mut run, environment, global) in &mut runs {
+    for (entity, mut run, global) in &mut runs {
         if run.is_paused() {
             continue;
         }
-        let ScenarioRun { state, doors: known, switches, .. } = run.bypass_change_detection();
+        let ScenarioRun { origin, state, doors: known, switches, .. } =
+            run.bypass_change_detection();
         for (index, known) in known.iter().enumerate() {
             let command = doors.get(known.door).ok().and_then(|door| door.command);
             if let (Some(command), Ok(mut door)) = (command, doors.get_mut(known.door)) {
@@ -35,7 +35,7 @@ pub(super) fn step(
             }
         }
         let affine = global.affine().as_daffine3().inverse();
-        let robots = agents.iter().filter_map(|agent| agent.robot(&affine, environment.origin));
+        let robots = agents.iter().filter_map(|agent| agent.robot(&affine, *origin));
         let mut robots: Vec<_> = robots.collect();
         // The order of entities depends on what an app did before.
         robots.sort_by(|a, b| {
@@ -57,14 +57,14 @@ type Placed = (&'static mut Person, &'static mut Transform, &'static mut GlobalT
 
 /// Places people and smoke where the state has them. Physics may have moved them since.
 pub(super) fn place(
-    runs: Query<(&ScenarioRun, &Environment, &GlobalTransform)>,
-    mut people: Query<Placed, Without<Environment>>,
+    runs: Query<(&ScenarioRun, &GlobalTransform)>,
+    mut people: Query<Placed, Without<ScenarioRun>>,
     mut smoke: Query<&mut Smoke>,
     mut reacted: MessageWriter<PersonReacted>,
     mut commands: Commands,
 ) {
-    for (run, environment, global) in &runs {
-        let frame = LocalFrame::new(environment.origin);
+    for (run, global) in &runs {
+        let frame = LocalFrame::new(run.origin);
         for (&entity, now) in run.people.iter().zip(run.state.people()) {
             let Ok((mut person, mut at, mut above)) = people.get_mut(entity) else { continue };
             let place = person_pose(frame, now);
@@ -93,14 +93,14 @@ type PlacedLeaf = (&'static mut DoorLeaf, &'static mut Transform, &'static mut G
 
 /// Places leaves where the state has them, and reports what doors did.
 pub(super) fn place_leaves(
-    runs: Query<(&ScenarioRun, &Environment, &GlobalTransform)>,
+    runs: Query<(&ScenarioRun, &GlobalTransform)>,
     mut doors: Query<&mut Door>,
-    mut leaves: Query<PlacedLeaf, Without<Environment>>,
+    mut leaves: Query<PlacedLeaf, Without<ScenarioRun>>,
     mut changed: MessageWriter<DoorChanged>,
     mut commands: Commands,
 ) {
-    for (run, environment, global) in &runs {
-        let frame = LocalFrame::new(environment.origin);
+    for (run, global) in &runs {
+        let frame = LocalFrame::new(run.origin);
         for (index, (known, now)) in run.doors.iter().zip(run.state.doors()).enumerate() {
             let Ok(mut door) = doors.get_mut(known.door) else { continue };
             let change = if now.stopped > door.stopped {
@@ -118,10 +118,9 @@ pub(super) fn place_leaves(
             let next =
                 Door { openness: now.openness, opens: now.opens, stopped: now.stopped, ..*door };
             door.set_if_neq(next);
-            let mut there = run.state.leaves(index);
-            for &entity in &known.leaves {
+            let there = leaf_poses(frame, &known.at, &run.state, index);
+            for (&entity, (now, place)) in known.leaves.iter().zip(there) {
                 let Ok((mut leaf, mut at, mut above)) = leaves.get_mut(entity) else { continue };
-                let (now, place) = leaf_pose(frame, &known.at, there.next().as_ref());
                 leaf.set_if_neq(now);
                 at.set_if_neq(place);
                 above.set_if_neq(global.mul_transform(known.at).mul_transform(place));

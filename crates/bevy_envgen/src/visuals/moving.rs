@@ -7,7 +7,7 @@ use envgen::scenario::PERSON_RADIUS;
 use super::drawing::Drawing;
 use super::palette::WorldPalette;
 use super::part_group::{LAYER, PartGroup, material};
-use crate::environment::Environment;
+use crate::job::spawned_origin;
 use crate::part::PartOf;
 use crate::scenario::{DoorLeaf, Person, ScenarioRun, Smoke};
 use crate::shape::{LocalFrame, PartShape};
@@ -104,7 +104,7 @@ fn smoke_place(world: &World, smoke: Entity) -> Option<SmokeOutline> {
     let smoke = world.get_entity(smoke).ok()?;
     let (&Smoke { index, extinction }, part) = (smoke.get::<Smoke>()?, smoke.get::<PartOf>()?);
     let run = world.get::<ScenarioRun>(part.0)?;
-    let frame = LocalFrame::new(world.get::<Environment>(part.0)?.origin);
+    let frame = LocalFrame::new(spawned_origin(world, part.0));
     let (place, _) = run.state().smoke().nth(index as usize)?;
     let shapes = run.state().smoke_shapes(place);
     Some(SmokeOutline { extinction, shapes, frame })

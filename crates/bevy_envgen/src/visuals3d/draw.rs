@@ -18,7 +18,8 @@ use super::palette::Palette3d;
 use super::settings::Visuals3dSettings;
 use super::tile::{TileMesh, is_shown};
 use super::{marks, stage, trees};
-use crate::environment::{Environment, GroundTruth};
+use crate::environment::GroundTruth;
+use crate::job::spawned_origin;
 use crate::part::{Ground, PartId, PartKind};
 use crate::shape::PartShape;
 use crate::spawn::TileSpawned;
@@ -87,8 +88,7 @@ fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
     let mut drafts: BTreeMap<Finish, Draft> = BTreeMap::new();
     let palette = world.resource::<Palette3d>();
     let settings = world.resource::<Visuals3dSettings>();
-    let origin =
-        world.get::<Environment>(spawned.environment).map_or(DVec2::ZERO, |root| root.origin);
+    let origin = spawned_origin(world, spawned.environment);
     let truth = world.get::<GroundTruth>(spawned.environment);
     let overhead = world.get::<Overhead>(spawned.environment);
     for (id, at, _) in spawned.placed(world) {

@@ -94,6 +94,8 @@ impl Plugin for EnvgenVisuals3dPlugin {
             main,
             (
                 stage::set_stage,
+                stage::follow_anchors,
+                stage::share_sun,
                 tile::show_ceilings,
                 moving::stretch_leaves,
                 sky::add_skies,

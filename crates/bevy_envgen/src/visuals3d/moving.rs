@@ -21,13 +21,13 @@ const CLEARANCE: f32 = 0.005;
 #[derive(Component)]
 pub(super) struct LeafMesh;
 
-/// The mesh of leaves, of length and height 1, shared by all.
+/// The mesh of leaves, of length and height 1, shared by all of a colour.
 #[derive(Resource, Default)]
-pub(super) struct SharedLeafMesh(Option<Handle<Mesh>>);
+pub(super) struct SharedLeafMesh(Option<(Color, Handle<Mesh>)>);
 
-/// The mesh of figures, shared by all.
+/// The mesh of figures, shared by all of the same colours: of bodies and of heads.
 #[derive(Resource, Default)]
-pub(super) struct FigureMesh(Option<Handle<Mesh>>);
+pub(super) struct FigureMesh(Option<([Color; 2], Handle<Mesh>)>);
 
 /// Looks like a person 1.75 m high who is at the entity and looks along its x axis. People of scenarios have it; others
 /// can get it, such as players.
@@ -49,12 +49,14 @@ pub(super) fn draw_figure(added: On<Add, Figure>, mut commands: Commands) {
             return;
         }
         let Some(material) = material(world, Finish::Plain) else { return };
+        let palette = world.resource::<Palette3d>();
+        let colors = [palette.person, palette.head];
         let mesh = match &world.resource::<FigureMesh>().0 {
-            Some(known) => known.clone(),
-            None => {
-                let figure = figure(world.resource::<Palette3d>());
+            Some((known, mesh)) if *known == colors => mesh.clone(),
+            _ => {
+                let figure = figure(palette);
                 let mesh = world.resource_mut::<Assets<Mesh>>().add(figure);
-                world.resource_mut::<FigureMesh>().0 = Some(mesh.clone());
+                world.resource_mut::<FigureMesh>().0 = Some((colors, mesh.clone()));
                 mesh
             }
         };
@@ -100,15 +102,15 @@ pub(super) fn draw_leaf(added: On<Add, DoorLeaf>, mut commands: Commands) {
         let Some(length) = world.get::<DoorLeaf>(leaf).map(|leaf| leaf.length) else { return };
         let height = door_height(world, leaf);
         let Some(material) = material(world, Finish::Plain) else { return };
+        let color = world.resource::<Palette3d>().door;
         let mesh = match &world.resource::<SharedLeafMesh>().0 {
-            Some(known) => known.clone(),
-            None => {
+            Some((known, mesh)) if *known == color => mesh.clone(),
+            _ => {
                 let mut draft = Draft::default();
                 let half = 0.5 * THICKNESS;
-                let color = world.resource::<Palette3d>().door;
                 draft.add_box(Vec3::new(0.0, -half, 0.0), Vec3::new(1.0, half, 1.0), color);
                 let mesh = world.resource_mut::<Assets<Mesh>>().add(draft.into_mesh());
-                world.resource_mut::<SharedLeafMesh>().0 = Some(mesh.clone());
+                world.resource_mut::<SharedLeafMesh>().0 = Some((color, mesh.clone()));
                 mesh
             }
         };

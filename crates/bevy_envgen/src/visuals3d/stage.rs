@@ -18,6 +18,8 @@ use super::glow::{self, is_building};
 use super::palette::Palette3d;
 use super::settings::Visuals3dSettings;
 use crate::environment::{EndlessTruth, Environment, GroundTruth};
+use crate::job::{SpawnedOrigin, spawned_origin};
+use crate::streaming::StreamAround;
 
 /// Ground and light of a world, on a child of its [`Environment`]. Its own children are what draws.
 #[derive(Component, Clone, Copy, Debug)]
@@ -38,6 +40,9 @@ const BEYOND: (f64, f64) = (80.0, 1.0);
 /// Half the side of the ground of endless worlds in metres.
 const ENDLESS: f64 = 3000.0;
 
+/// What the ground of endless worlds moves by in metres: whole repetitions of its texture.
+const STEP: f32 = 1200.0;
+
 /// Illuminance of the sun in lux in the open, and as a share of it over buildings without ceilings. With the default
 /// exposure of Bevy's cameras.
 const SUN: (f32, f32) = (2200.0, 0.35);
@@ -50,11 +55,10 @@ const TO_SUN: Vec3 = Vec3::new(-0.45, -0.6, 1.0);
 const THRESHOLD: (f64, f64) = (-0.1, -0.0003);
 
 /// An environment with a world, finite or endless.
-type Grown =
-    (Entity, &'static Environment, Option<&'static GroundTruth>, Option<&'static EndlessTruth>);
+type Grown = (Entity, Option<&'static GroundTruth>, Option<&'static EndlessTruth>);
 
 /// Another world, or another place of it.
-type Renewed = Or<(Changed<GroundTruth>, Changed<EndlessTruth>, Changed<Environment>)>;
+type Renewed = Or<(Changed<GroundTruth>, Changed<EndlessTruth>, Changed<SpawnedOrigin>)>;
 
 /// Builds the stages of worlds that are new or changed, and all when the settings change.
 pub(super) fn set_stage(
@@ -71,7 +75,7 @@ pub(super) fn set_stage(
         stages.iter(world).map(|(stage, parent)| (parent.parent(), stage)).collect();
     let renewed: Vec<Entity> = renewed.iter(world).collect();
     let mut plans = Vec::new();
-    for (entity, environment, truth, endless) in environments.iter(world) {
+    for (entity, truth, endless) in environments.iter(world) {
         let is_known = stages.contains_key(&entity);
         if truth.is_none() && endless.is_none() {
             if is_known {
@@ -79,7 +83,7 @@ pub(super) fn set_stage(
             }
         } else if all || !is_known || renewed.contains(&entity) {
             let truth = truth.map(|truth| truth.0.clone());
-            plans.push((entity, Some((environment.origin, truth))));
+            plans.push((entity, Some(truth)));
         }
     }
     let gone = stages.iter().filter(|(parent, _)| world.get::<Environment>(**parent).is_none());
@@ -91,9 +95,44 @@ pub(super) fn set_stage(
         if let Some(stage) = stages.get(&entity) {
             world.despawn(*stage);
         }
-        let Some((origin, truth)) = plan else { continue };
+        let Some(truth) = plan else { continue };
+        let origin = spawned_origin(world, entity);
         let stage = world.spawn((Name::new("stage"), Stage, ChildOf(entity))).id();
         spawn_stage(world, stage, origin, truth.as_deref());
+    }
+}
+
+/// Moves ground and light of endless worlds after their anchors, in steps of whole textures.
+pub(super) fn follow_anchors(
+    mut stages: Query<(&ChildOf, &mut Transform), With<Stage>>,
+    endless: Query<(&StreamAround, &GlobalTransform), With<EndlessTruth>>,
+    anchors: Query<&GlobalTransform>,
+) {
+    for (parent, mut stage) in &mut stages {
+        let Ok((stream, frame)) = endless.get(parent.parent()) else { continue };
+        let Ok(anchor) = anchors.get(stream.anchor) else { continue };
+        let at = frame.affine().inverse().transform_point3(anchor.translation());
+        let off = (at - stage.translation).truncate();
+        if off.is_finite() && off.abs().max_element() > 0.5 * ENDLESS as f32 {
+            let steps = (at.truncate() / STEP).round();
+            stage.translation = (STEP * steps).extend(stage.translation.z);
+        }
+    }
+}
+
+/// Lets one sun shine: each lights the whole app. The brightest of those that are not hidden with their world.
+pub(super) fn share_sun(
+    mut suns: Query<(Entity, &ChildOf, &DirectionalLight, &mut Visibility), With<Sun>>,
+    stages: Query<&InheritedVisibility>,
+) {
+    let shining = suns
+        .iter()
+        .filter(|(_, stage, ..)| stages.get(stage.parent()).is_ok_and(|seen| seen.get()))
+        .max_by(|a, b| a.2.illuminance.total_cmp(&b.2.illuminance).then(b.0.cmp(&a.0)))
+        .map(|(sun, ..)| sun);
+    for (sun, .., mut visibility) in &mut suns {
+        let is_shown = shining.is_none_or(|shining| shining == sun);
+        visibility.set_if_neq(if is_shown { Visibility::Inherited } else { Visibility::Hidden });
     }
 }
 
@@ -109,13 +148,12 @@ fn spawn_stage(world: &mut World, stage: Entity, origin: DVec2, truth: Option<&E
     let is_green = truth.is_none_or(|truth| {
         !truth.trees.is_empty() || !truth.road_strips.is_empty() || truth.raster.is_some()
     });
-    let has_floors = truth.is_some_and(|truth| is_building(truth) || truth.raster.is_some());
     let color = if is_green { palette.meadow } else { palette.ground };
     let mut draft = Draft::default();
-    let top = if has_floors { -BELOW } else { 0.0 };
     let corners = envgen::geometry::Shape::from_rect(bounds).corners();
     let corners: Vec<Vec2> = corners.iter().map(|p| (*p - origin).as_vec2()).collect();
-    draft.add_flat(&corners, top as f32, color);
+    // Also where it has no floors of its own: those of a world beside it lie over it.
+    draft.add_flat(&corners, -BELOW as f32, color);
     // The light of buildings ends at their walls.
     let finish = if building.is_some() { Finish::Mark } else { Finish::Ground };
     if let Some(material) = material(world, finish) {

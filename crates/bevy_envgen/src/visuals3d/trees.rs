@@ -13,7 +13,8 @@ use super::finish::Finish;
 use super::palette::Palette3d;
 use super::tile::TileMesh;
 use super::tree_levels::{LEVELS, TreeLevels};
-use crate::environment::{Environment, GroundTruth};
+use crate::environment::GroundTruth;
+use crate::job::spawned_origin;
 use crate::part::PartKind;
 use crate::shape::PartShape;
 use crate::spawn::TileSpawned;
@@ -34,14 +35,15 @@ pub(super) struct TreeMeshes {
     crown: Option<Arc<[Handle<Mesh>; LEVELS]>>,
     trunks: BTreeMap<u32, Arc<[Handle<Mesh>; LEVELS]>>,
     bark: Option<Handle<StandardMaterial>>,
+    /// The colours of trunks and crowns that the materials have.
+    colors: Option<[Color; 2]>,
     leaves: Vec<Handle<StandardMaterial>>,
 }
 
 /// Spawns the trees of a tile.
 pub(super) fn plant(world: &mut World, spawned: &TileSpawned) {
     let truth = world.get::<GroundTruth>(spawned.environment);
-    let origin =
-        world.get::<Environment>(spawned.environment).map_or(DVec2::ZERO, |root| root.origin);
+    let origin = spawned_origin(world, spawned.environment);
     let trees: Vec<(u32, Tree)> = spawned
         .placed(world)
         .filter(|(id, ..)| id.kind == PartKind::Tree)
@@ -102,10 +104,11 @@ pub(super) fn plant(world: &mut World, spawned: &TileSpawned) {
 
 /// Makes what trees share.
 fn make_shared(world: &mut World) {
-    if world.resource::<TreeMeshes>().crown.is_some() {
+    let palette = world.resource::<Palette3d>().clone();
+    let colors = Some([palette.trunk, palette.crown]);
+    if world.resource::<TreeMeshes>().colors == colors {
         return;
     }
-    let palette = world.resource::<Palette3d>().clone();
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     // All levels are as wide on average: of the same volume.
     let mut drawn = |solids: [Solid; LEVELS], radius: f64, finish| {
@@ -144,5 +147,6 @@ fn make_shared(world: &mut World) {
         materials.add(StandardMaterial { base_color: color.into(), ..leaves.clone() })
     });
     let leaves = shaded.collect();
-    *world.resource_mut::<TreeMeshes>() = TreeMeshes { crown, trunks, bark: Some(bark), leaves };
+    *world.resource_mut::<TreeMeshes>() =
+        TreeMeshes { crown, trunks, bark: Some(bark), colors, leaves };
 }

@@ -149,3 +149,20 @@ fn a_doorway_that_is_closed_in_the_world_is_solid() {
     let failure = app.world().get::<ScenarioFailure>(root).unwrap().to_string();
     assert!(failure.contains("the world has no open doorway"), "{failure}");
 }
+
+#[test]
+fn a_sliding_leaf_that_is_in_the_wall_comes_out_of_it() {
+    let (mut app, _, door) = building(DoorKinds::Sliding);
+    let leaf = app.world().get::<Children>(door).unwrap()[0];
+    let hinge = |app: &App| app.world().get::<GlobalTransform>(leaf).unwrap().translation();
+    step(&mut app, 100);
+    assert_eq!(app.world().get::<DoorLeaf>(leaf).unwrap().length, 0.0);
+    let open = hinge(&app);
+    app.world_mut().get_mut::<Door>(door).unwrap().close();
+    for _ in 0..80 {
+        step(&mut app, 1);
+        let moved = hinge(&app).distance(open);
+        assert!(moved < 1e-4, "it jumps by {moved} m");
+    }
+    assert!(app.world().get::<DoorLeaf>(leaf).unwrap().length > 0.5);
+}

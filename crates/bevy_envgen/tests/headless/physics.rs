@@ -7,7 +7,7 @@ use bevy_envgen::envgen::geometry::{Shape, unit_vector};
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::envgen::hallway::HallwaySpec;
 use bevy_envgen::envgen::raycast::Raycaster;
-use bevy_envgen::envgen::world::Wall as EnvgenWall;
+use bevy_envgen::envgen::world::{Extent, Obstacle, ObstacleKind, Wall as EnvgenWall};
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World as EnvgenWorld};
 use bevy_envgen::physics::ColliderMerging;
 use bevy_envgen::prelude::*;
@@ -261,5 +261,36 @@ fn sensors_tell_who_is_in_a_room() {
         assert_eq!(inside, 1, "{body:?}");
         app.world_mut().despawn(robot);
         step(&mut app, 1);
+    }
+}
+
+#[test]
+fn bodies_that_rise_pass_above_what_is_lower() {
+    // A box of 0.5 m in the path.
+    let spec = ForestSpec { width: 10.0, height: 10.0, intensity: 0.0, ..default() };
+    let mut world = spec.generate(Seed(1)).unwrap().to_world();
+    let center = DVec2::new(5.0, 5.0);
+    let shape = Shape::Box { center, half_size: DVec2::splat(0.5), heading: 0.0 };
+    let mut obstacle = Obstacle::new(ObstacleKind::Other, shape);
+    obstacle.height = Extent::new(0.0, 0.5).ok();
+    world.obstacles.push(obstacle);
+    for (is_child, is_late) in [(false, false), (false, true), (true, false), (true, true)] {
+        let mut app = test_app();
+        spawn_ready(&mut app, Environment::prebuilt(world.clone())).unwrap();
+        let height = |bottom| HeightRange { bottom, top: bottom + 0.2 };
+        let at = Transform::from_xyz(2.0, 5.0, 0.0);
+        let first = if is_late { height(0.0) } else { height(2.0) };
+        let body = (at, RigidBody::Dynamic, Velocity::linear(Vec2::X), first);
+        let body = app.world_mut().spawn(body).id();
+        if is_child {
+            app.world_mut().spawn((Collider::ball(0.2), Transform::default(), ChildOf(body)));
+        } else {
+            app.world_mut().entity_mut(body).insert(Collider::ball(0.2));
+        }
+        step(&mut app, 10);
+        *app.world_mut().get_mut::<HeightRange>(body).unwrap() = height(2.0);
+        step(&mut app, 350);
+        let at = app.world().get::<Transform>(body).unwrap().translation.x;
+        assert!(at > 7.0, "child {is_child}, late {is_late}: stopped at {at}");
     }
 }

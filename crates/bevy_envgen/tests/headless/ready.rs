@@ -344,3 +344,43 @@ fn diagnostics_count_and_time() {
     let report = app.world().resource::<StreamingReport>().time.as_secs_f64();
     assert!((time - 1e3 * report).abs() < 1e-9 && time > 0.0);
 }
+
+#[test]
+fn a_world_whose_transform_changes_in_every_frame_comes_back() {
+    let mut app = test_app();
+    let pace = GenerationMode::Async;
+    let environment = Environment::new(HallwaySpec::default(), 1).with_pace(pace);
+    let root = spawn_ready(&mut app, environment).unwrap();
+    let place = |app: &mut App, at: Transform| {
+        *app.world_mut().get_mut::<Transform>(root).unwrap() = at;
+        app.update();
+    };
+    place(&mut app, Transform::from_scale(Vec3::ZERO));
+    step(&mut app, 2);
+    assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed));
+    for frame in 0..2000 {
+        place(&mut app, Transform::from_xyz(0.01 * frame as f32, 0.0, 0.0));
+        if app.world().get(root) == Some(&EnvironmentState::Ready) {
+            return;
+        }
+        std::thread::sleep(std::time::Duration::from_micros(200));
+    }
+    panic!("it never comes back: {:?}", app.world().get::<EnvironmentState>(root));
+}
+
+#[test]
+fn nothing_is_left_of_an_environment_that_an_observer_of_its_tiles_removes() {
+    let mut app = test_app();
+    app.add_observer(|spawned: On<TileSpawned>, mut commands: Commands| {
+        commands.entity(spawned.environment).remove::<Environment>();
+    });
+    // Of several pages.
+    let forest = ForestSpec { width: 200.0, height: 200.0, intensity: 0.1, ..default() };
+    let pace = GenerationMode::Blocking;
+    let root = app.world_mut().spawn(Environment::new(forest, 1).with_pace(pace)).id();
+    for _ in 0..3 {
+        app.update();
+        assert_eq!(app.world_mut().query::<&Tile>().iter(app.world()).count(), 0);
+    }
+    assert!(!app.world().entity(root).contains::<GroundTruth>());
+}

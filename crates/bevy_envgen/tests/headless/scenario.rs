@@ -355,3 +355,25 @@ fn a_scenario_needs_no_physics() {
     assert!(state.time() > 29.0);
     assert_eq!(state.digest(), alone.digest());
 }
+
+#[test]
+fn another_origin_moves_nothing_before_its_world_is_there() {
+    let (mut app, root) = busy(3);
+    step(&mut app, 5);
+    let places = |app: &mut App| -> Vec<Vec3> {
+        let mut people = app.world_mut().query::<(&Person, &Transform)>();
+        people.iter(app.world()).map(|(_, at)| at.translation).collect()
+    };
+    let before = places(&mut app);
+    // It fails: the previous world stays, and everything in it.
+    let mut other = Environment::new(IndoorSpec { cell_size: -1.0, ..default() }, 1);
+    other.origin = DVec2::splat(1000.0);
+    app.world_mut().entity_mut(root).insert(other);
+    wait_until_ready(&mut app, root).unwrap_err();
+    step(&mut app, 20);
+    let after = places(&mut app);
+    assert_eq!(before.len(), after.len());
+    for (before, after) in before.into_iter().zip(after) {
+        assert!(before.distance(after) < 5.0, "{before} {after}");
+    }
+}

@@ -11,7 +11,7 @@ use bevy_envgen::envgen::road::RoadSpec;
 use bevy_envgen::envgen::{Seed, WorldSpec};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, parts, step, test_app, truth, wait_until_ready};
-use bevy_envgen::{EndlessTruth, StreamingReport};
+use bevy_envgen::{EndlessTruth, StreamingReport, Tile};
 
 use super::{spawned, specs};
 
@@ -285,4 +285,49 @@ fn changes_of_the_window_are_followed() {
     wait_until_ready(&mut app, root).unwrap();
     assert!(parts(&app, root).len() > 5 * near);
     assert!(truth(&app, root).provenance.seed == Some(Seed(1)));
+}
+
+#[test]
+fn nothing_is_reported_of_a_world_that_another_one_is_requested_in_place_of() {
+    #[derive(Resource, Default)]
+    struct Ready(usize);
+    let mut app = test_app();
+    app.init_resource::<Ready>();
+    app.insert_resource(StreamingBudget::Parts(1));
+    app.add_observer(|_: On<EnvironmentReady>, mut ready: ResMut<Ready>| ready.0 += 1);
+    let first = endless(0.0).with_pace(GenerationMode::Blocking);
+    let (root, _) = streamed(&mut app, first, Vec2::ZERO, 20.0);
+    step(&mut app, 2);
+    assert!(app.world().resource::<StreamingReport>().waiting > 0);
+    // One that fails: the previous world stays, but is not what was asked for.
+    let bad = Environment::new(ForestSpec { radius: -1.0, ..default() }, 1);
+    app.world_mut().entity_mut(root).insert(bad);
+    settle(&mut app);
+    step(&mut app, 2);
+    assert_eq!(app.world().resource::<Ready>().0, 0);
+    assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed));
+    assert!(app.world().entity(root).contains::<EnvironmentFailure>());
+    // The first one again.
+    let first = endless(0.0).with_pace(GenerationMode::Blocking);
+    app.world_mut().entity_mut(root).insert(first);
+    wait_until_ready(&mut app, root).unwrap();
+    assert_eq!(app.world().resource::<Ready>().0, 1);
+}
+
+#[test]
+fn tiles_that_a_fast_anchor_leaves_behind_do_not_pile_up() {
+    let mut app = test_app();
+    app.insert_resource(StreamingBudget::Parts(1));
+    let environment = endless(0.0).with_pace(GenerationMode::Blocking);
+    let (root, anchor) = streamed(&mut app, environment, Vec2::ZERO, 40.0);
+    wait_until_ready(&mut app, root).unwrap();
+    let tiles = |app: &mut App| app.world_mut().query::<&Tile>().iter(app.world()).count();
+    let window = tiles(&mut app);
+    // A column of tiles ahead and one behind for each 12 m: more than a step for each frame.
+    for frame in 0..600 {
+        let at = Vec3::X * 12.0 * frame as f32;
+        app.world_mut().get_mut::<Transform>(anchor).unwrap().translation = at;
+        step(&mut app, 1);
+        assert!(tiles(&mut app) <= 2 * window, "{} tiles of {window}", tiles(&mut app));
+    }
 }

@@ -10,7 +10,7 @@ use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth, wait_until_ready};
-use bevy_envgen::visuals3d::{Finish, Stage, Sun, TileMesh};
+use bevy_envgen::visuals3d::{Finish, Palette3d, Stage, Sun, TileMesh};
 
 use crate::specs;
 
@@ -249,13 +249,18 @@ fn each_world_has_one_stage_that_goes_with_it() {
         .collect();
     step(&mut app, 2);
     assert_eq!(stages(&mut app), roots.len());
+    let shining = |app: &mut App| {
+        let mut suns = app.world_mut().query_filtered::<&Visibility, With<Sun>>();
+        suns.iter(app.world()).filter(|sun| **sun != Visibility::Hidden).count()
+    };
+    assert_eq!(shining(&mut app), 1);
     // Another seed is another world.
     app.world_mut().get_mut::<Environment>(roots[0]).unwrap().seed = 9;
     step(&mut app, 3);
     assert_eq!(stages(&mut app), roots.len());
     app.world_mut().entity_mut(roots[0]).remove::<Environment>();
     step(&mut app, 2);
-    assert_eq!(stages(&mut app), roots.len() - 1);
+    assert_eq!((stages(&mut app), shining(&mut app)), (roots.len() - 1, 1));
     for root in &roots[1..] {
         app.world_mut().entity_mut(*root).despawn();
     }
@@ -344,4 +349,48 @@ fn without_plugins_for_meshes_nothing_is_drawn() {
     spawn_ready(&mut app, Environment::new(WorldKind::Indoor.default_spec(), 2)).unwrap();
     step(&mut app, 3);
     assert_eq!(app.world_mut().query::<&Mesh3d>().iter(app.world()).count(), 0);
+}
+
+#[test]
+fn the_ground_of_an_endless_world_follows_its_anchor() {
+    let mut app = app();
+    let anchor = app.world_mut().spawn(Transform::from_xyz(5000.0, 0.0, 0.0)).id();
+    let spec = ForestSpec { intensity: 0.01, ..default() };
+    let around = StreamAround::new(anchor, 30.0);
+    let root = app.world_mut().spawn((Environment::new(spec, 1).endless(30.0), around)).id();
+    wait_until_ready(&mut app, root).unwrap();
+    for x in [5000.0, 9000.0, -20_000.0] {
+        app.world_mut().get_mut::<Transform>(anchor).unwrap().translation.x = x;
+        step(&mut app, 3);
+        let mut stages = app.world_mut().query_filtered::<&Transform, With<Stage>>();
+        let stage = stages.single(app.world()).unwrap().translation;
+        assert!((stage.x - x).abs() < 1600.0 && stage.x % 6.0 == 0.0, "{stage} for {x}");
+    }
+}
+
+#[test]
+fn new_worlds_have_the_colours_of_a_changed_palette() {
+    let mut app = app();
+    let forest = |seed| {
+        let spec = ForestSpec { width: 20.0, height: 20.0, intensity: 0.1, ..default() };
+        Environment::new(spec, seed)
+    };
+    let leaves = |app: &mut App| {
+        let mut drawn = app.world_mut().query::<(&TileMesh, &MeshMaterial3d<StandardMaterial>)>();
+        let materials = app.world().resource::<Assets<StandardMaterial>>();
+        let of = |finish: Finish| {
+            let mut of = drawn.iter(app.world()).filter(move |(mesh, _)| mesh.finish == finish);
+            let (_, material) = of.next().expect("a tree");
+            materials.get(&material.0).unwrap().base_color
+        };
+        of(Finish::Leaves)
+    };
+    let root = spawn_ready(&mut app, forest(1)).unwrap();
+    let before = leaves(&mut app);
+    app.world_mut().resource_mut::<Palette3d>().crown = Color::srgb(0.9, 0.1, 0.1);
+    app.world_mut().entity_mut(root).insert(forest(2));
+    wait_until_ready(&mut app, root).unwrap();
+    let Srgba { red, green, .. } = leaves(&mut app).to_srgba();
+    assert_ne!(before, leaves(&mut app));
+    assert!(red > 2.0 * green, "{red} {green}");
 }

@@ -54,16 +54,34 @@ fn an_app_asks_for_pictures_of_its_cameras() {
     let path = folder.path().join("camera.png");
     let world = studio.app().world_mut();
     world.trigger(TakePicture { entity: camera, path: path.clone() });
+    // In the same frame, into another file.
+    let second = folder.path().join("second.png");
+    world.trigger(TakePicture { entity: camera, path: second.clone() });
     let nobody = world.spawn_empty().id();
     world.trigger(TakePicture { entity: nobody, path: folder.path().join("nobody.png") });
     for _ in 0..10 {
         studio.step().unwrap();
     }
-    let answers = &studio.app().world().resource::<Answers>().0;
-    assert_eq!(answers.len(), 2, "{answers:?}");
+    let answers = std::mem::take(&mut studio.app().world_mut().resource_mut::<Answers>().0);
+    assert_eq!(answers.len(), 3, "{answers:?}");
     assert!(answers[0].as_ref().unwrap_err().contains("is not a camera"), "{answers:?}");
-    assert_eq!(answers[1], Ok(path.clone()));
-    assert!(path.exists());
+    assert_eq!(answers[1..], [Ok(path.clone()), Ok(second.clone())]);
+    assert_eq!(std::fs::read(path).unwrap(), std::fs::read(second).unwrap());
+
+    // A camera whose image is gone is answered as well, and one that draws nowhere.
+    let world = studio.app().world_mut();
+    world.entity_mut(camera).insert(RenderTarget::Image(Handle::<Image>::default().into()));
+    world.trigger(TakePicture { entity: camera, path: folder.path().join("gone.png") });
+    let blind = world.spawn((Camera2d, RenderTarget::None { size: SIZE })).id();
+    world.trigger(TakePicture { entity: blind, path: folder.path().join("blind.png") });
+    for _ in 0..110 {
+        studio.step().unwrap();
+    }
+    let answers = &studio.app().world().resource::<Answers>().0;
+    let errors: Vec<&str> =
+        answers.iter().map(|answer| answer.as_ref().unwrap_err().as_str()).collect();
+    assert_eq!(errors.len(), 2, "{errors:?}");
+    assert!(errors[0].contains("is not a camera") && errors[1].contains("frames"), "{errors:?}");
 }
 
 #[test]

@@ -17,6 +17,7 @@ use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::costmap::{CellCost, Costmap};
 use mapping_trial::policy::search::GridPlanner;
 use mapping_trial::robot::{Footprint, LaserMount, Robot};
+use mapping_trial::score::Scores;
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
 
 use crate::drive::{frame, rect, world_of};
@@ -96,25 +97,34 @@ fn robots_pass_gaps_of_their_own_size_and_refuse_narrower_ones() {
     }
 }
 
+/// A trial without errors of the wheels, which has ended, with its scores.
+fn run(
+    world: &World,
+    body: Robot,
+    laser: LaserProfile,
+    time_limit: f64,
+) -> (Trial<FlatSimulator>, Scores) {
+    let odometry = OdometryProfile::EXACT;
+    let settings = TrialSettings { body, laser, odometry, time_limit, ..TrialSettings::default() };
+    let mut trial = Trial::flat(world, settings).expect("a free start");
+    while trial.step() {}
+    let scores = trial.score(&trial.reference(world).expect("a start")).expect("scores");
+    (trial, scores)
+}
+
+/// Why the robot's part of a trial ended.
+fn end(trial: &Trial<FlatSimulator>) -> Option<EndReason> {
+    trial.end_of(0).map(|end| end.reason)
+}
+
 /// The whole trial: plan, drive, map and score by one robot's numbers.
 #[test]
 fn a_trial_ends_where_the_robot_no_longer_fits() {
     for radius in [0.2, 0.8] {
-        let robot = disc(radius);
         let run = |gap: f64| {
-            let world = rooms(gap);
-            let settings = TrialSettings {
-                body: robot.clone(),
-                laser: LaserProfile::USARSIM,
-                odometry: OdometryProfile::EXACT,
-                time_limit: 400.0,
-                ..TrialSettings::default()
-            };
-            let mut trial = Trial::flat(&world, settings).expect("a free start");
-            while trial.step() {}
-            let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
+            let (trial, scores) = run(&rooms(gap), disc(radius), LaserProfile::USARSIM, 400.0);
             let farthest = trial.trajectory(0).poses.iter().map(|pose| pose.position.x);
-            (farthest.fold(0.0, f64::max), scores, trial.end_of(0).map(|end| end.reason))
+            (farthest.fold(0.0, f64::max), scores, end(&trial))
         };
         let (x, scores, end) = run(2.0 * radius + 0.4);
         assert!(x > ROOM, "{radius}: never left the first room: {x}");
@@ -139,20 +149,9 @@ fn slow_robots_explore_as_well() {
         Robot { max_speed: 0.03, max_turn_rate: 0.03, turn_acceleration: 0.02, ..body },
     ] {
         for gap in [1.0, 1.8] {
-            let world = rooms(gap);
-            let settings = TrialSettings {
-                body: robot.clone(),
-                laser: LaserProfile::USARSIM,
-                odometry: OdometryProfile::EXACT,
-                time_limit: 7200.0,
-                ..TrialSettings::default()
-            };
-            let mut trial = Trial::flat(&world, settings).expect("a free start");
-            while trial.step() {}
-            let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
-            let end = trial.end_of(0).map(|end| end.reason);
-            assert_eq!((end, scores.collisions), (Some(EndReason::Explored), 0), "{robot:?}");
-            assert_eq!(trial.recoveries(0), 0, "{robot:?}");
+            let (trial, scores) = run(&rooms(gap), robot.clone(), LaserProfile::USARSIM, 7200.0);
+            let hits = (end(&trial), scores.collisions, trial.recoveries(0));
+            assert_eq!(hits, (Some(EndReason::Explored), 0, 0), "{robot:?}");
             assert!(scores.coverage > 0.9 && scores.navigability > 0.9, "{robot:?}: {scores:?}");
         }
     }
@@ -165,20 +164,12 @@ fn slow_lasers_and_lasers_that_look_backwards_explore_as_well() {
     for (ticks_a_scan, laser_mount) in
         [(20, LaserMount::default()), (100, LaserMount::default()), (4, backwards)]
     {
+        let body = Robot { laser_mount, ..disc(0.3) };
+        let laser = LaserProfile { ticks_a_scan, ..LaserProfile::USARSIM };
         for gap in [1.2, 2.0] {
-            let world = rooms(gap);
-            let settings = TrialSettings {
-                body: Robot { laser_mount: laser_mount.clone(), ..disc(0.3) },
-                laser: LaserProfile { ticks_a_scan, ..LaserProfile::USARSIM },
-                odometry: OdometryProfile::EXACT,
-                time_limit: 1200.0,
-                ..TrialSettings::default()
-            };
-            let mut trial = Trial::flat(&world, settings).expect("a free start");
-            while trial.step() {}
-            let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
-            let end = trial.end_of(0).map(|end| end.reason);
-            assert_eq!((end, scores.collisions), (Some(EndReason::Explored), 0), "{ticks_a_scan}");
+            let (trial, scores) = run(&rooms(gap), body.clone(), laser.clone(), 1200.0);
+            let hits = (end(&trial), scores.collisions);
+            assert_eq!(hits, (Some(EndReason::Explored), 0), "{ticks_a_scan}");
             assert!(scores.coverage > 0.9, "{ticks_a_scan}: {scores:?}");
         }
     }
