@@ -299,7 +299,7 @@ pub(crate) fn watch_transforms(
                 notices.push(entity, Err(error));
                 commands.queue(move |world: &mut World| suspend(world, entity));
             }
-            // Once: a transform that changes in every frame would begin a task anew each time.
+            // Once: a transform that changes in every frame would begin a task again each time.
             (Ok(()), true) if matches!(slot.job, Job::Idle) && !slot.stale => {
                 slot.stale = true;
                 *state = EnvironmentState::Waiting;
