@@ -378,12 +378,9 @@ fn new_worlds_have_the_colours_of_a_changed_palette() {
     let leaves = |app: &mut App| {
         let mut drawn = app.world_mut().query::<(&TileMesh, &MeshMaterial3d<StandardMaterial>)>();
         let materials = app.world().resource::<Assets<StandardMaterial>>();
-        let of = |finish: Finish| {
-            let mut of = drawn.iter(app.world()).filter(move |(mesh, _)| mesh.finish == finish);
-            let (_, material) = of.next().expect("a tree");
-            materials.get(&material.0).unwrap().base_color
-        };
-        of(Finish::Leaves)
+        let mut leaves = drawn.iter(app.world()).filter(|(mesh, _)| mesh.finish == Finish::Leaves);
+        let (_, material) = leaves.next().expect("a tree");
+        materials.get(&material.0).unwrap().base_color
     };
     let root = spawn_ready(&mut app, forest(1)).unwrap();
     let before = leaves(&mut app);

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy_offscreen::{CaptureError, MAX_SIDE, PictureFailed, PictureTaken, Studio, TakePicture};
 
