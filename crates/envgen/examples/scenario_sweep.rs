@@ -15,7 +15,7 @@ mod busy_map;
 mod watch;
 
 use std::fs::OpenOptions;
-use std::io::{BufRead, BufReader, Write};
+use std::io::{Read, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -57,8 +57,14 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let Arguments { file: path, maps, seed, hours, area } = Arguments::parse();
     let mut file = OpenOptions::new().read(true).append(true).create(true).open(&path)?;
     let mut lines: Vec<Value> = Vec::new();
-    for (line, index) in BufReader::new(&file).lines().zip(0..) {
-        let line: Value = serde_json::from_str(&line?)?;
+    // What was being written when it was stopped is run again.
+    let mut text = String::new();
+    file.read_to_string(&mut text)?;
+    text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
+    file.set_len(text.len() as u64)?;
+    for (line, index) in text.lines().zip(0..) {
+        let line: Value = serde_json::from_str(line)
+            .map_err(|error| format!("{}: line {}: {error}", path.display(), index + 1))?;
         if ["seed", "hours", "area"].map(|name| &line[name])
             != [&json!(seed.wrapping_add(index)), &json!(hours), &json!(area)]
         {
@@ -71,7 +77,8 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
     let mut out = std::io::stdout().lock();
     for index in lines.len() as u64..maps {
         let line = run(seed.wrapping_add(index), hours, area)?;
-        writeln!(file, "{line}")?;
+        // At once, so that a line is whole or lacks its end.
+        file.write_all(format!("{line}\n").as_bytes())?;
         writeln!(out, "{}/{maps}: {line}", index + 1)?;
         lines.push(line);
     }

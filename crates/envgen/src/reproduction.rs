@@ -152,8 +152,11 @@ pub fn reproduce(world: &World) -> Reproduction {
     }
 }
 
-/// A plan with changes by hand.
-fn edited(blueprint: WorldBlueprint, edits: &[Value]) -> Result<WorldBlueprint, String> {
+/// A plan with the changes by hand of a [`Provenance`]; what has none stays as it is.
+///
+/// # Errors
+/// Edits of another kind than indoor maps, too many, or one that cannot be made.
+pub fn edited(blueprint: WorldBlueprint, edits: &[Value]) -> Result<WorldBlueprint, String> {
     let plan = match blueprint {
         _ if edits.is_empty() => return Ok(blueprint),
         WorldBlueprint::Indoor(plan) => plan,

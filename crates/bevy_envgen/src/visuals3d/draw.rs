@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 use envgen::World as EnvgenWorld;
-use envgen::glam::DVec2;
 use envgen::mesh::Mesh as Solid;
 use envgen::pieces::pieces_of;
 use envgen::world::Extent;

@@ -120,18 +120,21 @@ pub(super) fn follow_anchors(
     }
 }
 
-/// Lets one sun shine: each lights the whole app. The brightest of those that are not hidden with their world.
+/// Lets one sun shine: each lights the whole app. The brightest, of those first whose world is not hidden.
 pub(super) fn share_sun(
     mut suns: Query<(Entity, &ChildOf, &DirectionalLight, &mut Visibility), With<Sun>>,
     stages: Query<&InheritedVisibility>,
 ) {
+    let is_seen = |stage: &ChildOf| stages.get(stage.parent()).is_ok_and(|seen| seen.get());
     let shining = suns
         .iter()
-        .filter(|(_, stage, ..)| stages.get(stage.parent()).is_ok_and(|seen| seen.get()))
-        .max_by(|a, b| a.2.illuminance.total_cmp(&b.2.illuminance).then(b.0.cmp(&a.0)))
+        .max_by(|(a, of_a, light_a, _), (b, of_b, light_b, _)| {
+            let brighter = light_a.illuminance.total_cmp(&light_b.illuminance);
+            is_seen(of_a).cmp(&is_seen(of_b)).then(brighter).then(b.cmp(a))
+        })
         .map(|(sun, ..)| sun);
     for (sun, .., mut visibility) in &mut suns {
-        let is_shown = shining.is_none_or(|shining| shining == sun);
+        let is_shown = shining == Some(sun);
         visibility.set_if_neq(if is_shown { Visibility::Inherited } else { Visibility::Hidden });
     }
 }

@@ -105,6 +105,7 @@ const PRIVATE: &[&str] = &[
     "bevy_envgen::difficulty::DifficultyTask",
     "bevy_envgen::job::GenerationJob",
     "bevy_envgen::job::PendingEvents",
+    "bevy_envgen::job::SpawnedOrigin",
     "bevy_envgen::job::SpawnedTiles",
     "bevy_envgen::streaming::Streaming",
     "bevy_envgen::systems::EnvgenSchedules",

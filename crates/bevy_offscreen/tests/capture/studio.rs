@@ -71,7 +71,8 @@ fn an_app_asks_for_pictures_of_its_cameras() {
 
     // A camera whose image is gone is answered as well, and one that draws nowhere.
     let world = studio.app().world_mut();
-    world.entity_mut(camera).insert(RenderTarget::Image(Handle::<Image>::default().into()));
+    let gone = world.resource::<Assets<Image>>().reserve_handle();
+    world.entity_mut(camera).insert(RenderTarget::Image(gone.into()));
     world.trigger(TakePicture { entity: camera, path: folder.path().join("gone.png") });
     let blind = world.spawn((Camera2d, RenderTarget::None { size: SIZE })).id();
     world.trigger(TakePicture { entity: blind, path: folder.path().join("blind.png") });

@@ -79,17 +79,29 @@ impl Anchors {
     /// [failed](Anchors::failed).
     ///
     /// # Errors
-    /// The hard anchors do not score more than the easy ones.
+    /// In all easy or all hard anchors some trial failed; the hard anchors do not score more than the easy ones.
     pub fn scale<'a>(
         &self,
         panel: &Panel,
         records: impl IntoIterator<Item = &'a Record>,
     ) -> Result<Scale, MeasureError> {
         let easy: u64 = self.easy.iter().map(|family| u64::from(family.maps)).sum();
+        let records: Vec<&Record> = records.into_iter().collect();
+        let failed: BTreeSet<u32> = records
+            .iter()
+            .filter(|record| record.scores.is_none())
+            .map(|record| record.map)
+            .collect();
         let (mut zero, mut ten) = (Vec::new(), Vec::new());
-        for record in records {
+        // An anchor that some conditions cannot map would count the others more.
+        for record in records.iter().filter(|record| !failed.contains(&record.map)) {
             let to = if u64::from(record.map) < easy { &mut zero } else { &mut ten };
             to.extend(record.scores.as_ref().map(scores));
+        }
+        for (anchors, scored) in [("easy", &zero), ("hard", &ten)] {
+            if scored.is_empty() {
+                return Err(MeasureError::NoAnchors { anchors });
+            }
         }
         let (zero, ten) = (mean(zero.into_iter()), mean(ten.into_iter()));
         for (dial, (easy, hard)) in zero.zip(ten).named() {

@@ -50,7 +50,7 @@ pub enum AtlasDesign {
         /// The spec with the other settings.
         spec: Box<WorldSpec>,
         /// Least and greatest value of each setting that is drawn, all values between them with the same
-        /// probability.
+        /// probability, the ends of whole numbers with half of it.
         drawn: BTreeMap<String, [f64; 2]>,
         /// Number of worlds.
         maps: u32,

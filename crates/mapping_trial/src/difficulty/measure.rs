@@ -38,6 +38,14 @@ pub enum MeasureError {
         /// What the driver did.
         reason: String,
     },
+    /// Trials fail in all easy or in all hard anchors.
+    #[error(
+        "a scale needs {anchors} anchors that every condition of the panel can map, and there is none"
+    )]
+    NoAnchors {
+        /// Easy or hard.
+        anchors: &'static str,
+    },
     /// The scores of the anchors do not make a scale.
     #[error("the hard anchors must score more than the easy ones, got {hard} and {easy} of {dial}")]
     Scale {

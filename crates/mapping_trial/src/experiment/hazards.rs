@@ -99,8 +99,9 @@ impl Hazard {
 /// The survey of a design's maps and policies without hazards and with each of them.
 ///
 /// # Errors
-/// A laser or wheels that have no name.
+/// A design that is not allowed; a laser or wheels that have no name.
 pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> {
+    design.validate()?;
     let named = |field: &str, name: Option<&str>| {
         name.map(str::to_owned).ok_or_else(|| {
             SpecError::new(field, "numbers of your own", "a profile that has a name")
@@ -131,7 +132,8 @@ pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> 
         name: format!("level {level}"),
         spec: design.spec(level).into(),
         maps: design.maps,
-        first_seed: design.seed.offset(1000 * (i as u64 + 1)),
+        // Of each design seed others, as those of its own experiment.
+        first_seed: Seed(design.seed.0.wrapping_mul(1_000_000)).offset(1000 * (i as u64 + 1)),
     });
     let (families, noise_seeds) = (families.collect(), design.noise_seeds);
     Ok(Survey { families, conditions, noise_seeds, noise: SurveyNoise::Shared })

@@ -10,6 +10,9 @@ use serde_json::Value;
 use super::error::ExperimentError;
 use super::write;
 
+/// The name of that file in the folder of a survey.
+pub(super) const SURVEY: &str = "survey.json";
+
 /// The most characters of a value in an error.
 const LONGEST: usize = 100;
 

@@ -99,6 +99,11 @@ impl Experiment {
         design.validate()?;
         shard.validate()?;
         write::folder(folder)?;
+        // What this program cannot make again is not deleted.
+        if folder.join(head::SURVEY).exists() {
+            let reason = format!("it holds a survey: {}", head::SURVEY);
+            return Err(ExperimentError::Content { path: folder.to_owned(), reason });
+        }
         // Locked before anything is deleted: another process may be writing.
         let lines = Lines::emptied(folder)?;
         let head = Head { version: EXPERIMENT_VERSION, shard, design: design.clone() };

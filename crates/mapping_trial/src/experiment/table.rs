@@ -29,7 +29,7 @@ pub struct Column {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
     /// Whole numbers.
-    Whole(Vec<i64>),
+    Whole(Vec<u64>),
     /// Numbers, which some trials may not have.
     Real(Vec<Option<f64>>),
     /// Words.
@@ -41,8 +41,7 @@ pub enum Values {
 pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
     let whole = |name: &str, of: &dyn Fn(&Record) -> u64| Column {
         name: name.to_owned(),
-        // Parquet's tools read seeds best as signed numbers; default seeds are far below 2^63.
-        values: Values::Whole(records.iter().map(|record| of(record) as i64).collect()),
+        values: Values::Whole(records.iter().map(|record| of(record)).collect()),
     };
     let text = |name: &str, of: &dyn Fn(&Record) -> String| Column {
         name: name.to_owned(),
@@ -88,8 +87,8 @@ fn numbers<T: Serialize>(rows: impl Iterator<Item = T>) -> Vec<Column> {
     });
     let column = |name: &String| {
         let value = |row: &serde_json::Map<String, Value>| row.get(name).cloned();
-        let whole: Option<Vec<i64>> =
-            rows.iter().map(|row| value(row).and_then(|value| value.as_i64())).collect();
+        let whole: Option<Vec<u64>> =
+            rows.iter().map(|row| value(row).and_then(|value| value.as_u64())).collect();
         let values = match whole {
             Some(whole) => Values::Whole(whole),
             None => Values::Real(
@@ -151,7 +150,10 @@ pub fn parquet(columns: &[Column]) -> Result<Vec<u8>, ExperimentError> {
 fn write_parquet(columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
     let field = |column: &Column| {
         let (physical, repetition, logical) = match &column.values {
-            Values::Whole(_) => (Physical::INT64, Repetition::REQUIRED, None),
+            Values::Whole(_) => {
+                let unsigned = LogicalType::Integer { bit_width: 64, is_signed: false };
+                (Physical::INT64, Repetition::REQUIRED, Some(unsigned))
+            }
             Values::Real(_) => (Physical::DOUBLE, Repetition::OPTIONAL, None),
             Values::Text(_) => {
                 (Physical::BYTE_ARRAY, Repetition::REQUIRED, Some(LogicalType::String))
@@ -169,7 +171,9 @@ fn write_parquet(columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
         let Some(mut out) = group.next_column()? else { break };
         match &column.values {
             Values::Whole(values) => {
-                out.typed::<Int64Type>().write_batch(values, None, None)?;
+                // The bits of the unsigned numbers.
+                let bits: Vec<i64> = values.iter().map(|&value| value.cast_signed()).collect();
+                out.typed::<Int64Type>().write_batch(&bits, None, None)?;
             }
             Values::Real(values) => {
                 let known: Vec<f64> = values.iter().copied().flatten().collect();

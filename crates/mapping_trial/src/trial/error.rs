@@ -20,6 +20,9 @@ pub enum TrialError {
     /// A log's world cannot be generated.
     #[error(transparent)]
     Generate(#[from] GenerateError),
+    /// The edits of a log's world cannot be made.
+    #[error("the log's world cannot be edited again: {0}")]
+    Edits(String),
     /// A log says that its world was generated, but has no seed.
     #[error("the log's world has a spec but no seed")]
     NoSeed,

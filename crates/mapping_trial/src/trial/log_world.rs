@@ -1,6 +1,6 @@
 //! Where a log's world comes from.
 
-use envgen::reproduction::{Reproduction, reproduce};
+use envgen::reproduction::{Reproduction, edited, reproduce};
 use envgen::{Provenance, World, WorldSpec};
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use super::error::TrialError;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LogWorld {
-    /// Spec and seed give the same world again.
+    /// Spec, seed and edits give the same world again.
     Generated(Provenance),
     /// The world itself, where it was read from a file or changed by hand.
     Given(Box<World>),
@@ -42,5 +42,41 @@ impl LogWorld {
 fn generate(provenance: &Provenance) -> Result<World, TrialError> {
     let spec = WorldSpec::from_provenance(provenance)?;
     let seed = provenance.seed.ok_or(TrialError::NoSeed)?;
-    Ok(spec.generate(seed)?.to_world())
+    let blueprint = edited(spec.generate(seed)?, &provenance.edits).map_err(TrialError::Edits)?;
+    let mut world = blueprint.to_world();
+    // It is not generated again.
+    world.provenance.measured.clone_from(&provenance.measured);
+    Ok(world)
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::calibration::{Dials, Estimate};
+    use envgen::indoor::{Edit, IndoorSpec, PlanEditor};
+    use envgen::{Blueprint, MeasuredDifficulty, Seed, Spec};
+
+    use super::*;
+
+    #[test]
+    fn edits_and_measured_difficulty_are_kept() {
+        let spec = IndoorSpec { width: 8, height: 8, ..Default::default() };
+        let plan = spec.generate(Seed(2)).unwrap();
+        let mut editor = PlanEditor::new(plan.clone());
+        editor.apply(Edit::RemoveRoom { room: 0 }).unwrap();
+        let edited = editor.into_plan().to_world();
+        let mut measured = plan.to_world();
+        let dial = Estimate { value: 5.0, standard_error: 0.4 };
+        measured.provenance.measured = Some(Box::new(MeasuredDifficulty {
+            panel: "reference".to_owned(),
+            panel_version: 1,
+            dials: Dials { difficulty: dial, mapping: dial, navigation: dial },
+            trials: 12,
+            noise_seed: Seed(1),
+        }));
+        for world in [edited, measured] {
+            let of_log = LogWorld::of(&world);
+            assert!(matches!(of_log, LogWorld::Generated(_)));
+            assert_eq!(of_log.world(), Ok(world));
+        }
+    }
 }

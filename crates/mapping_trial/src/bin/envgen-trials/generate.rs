@@ -52,6 +52,10 @@ impl Arguments {
             spec.set(name.trim(), value).in_option("--set", option)?;
             names.push(WorldKind::Indoor.setting(name.trim())?.name);
         }
+        if names.contains(&"candidate") {
+            let text = "--set candidate: the trials choose the candidate".to_owned();
+            return Err(Usage(text).into());
+        }
         let WorldSpec::Indoor(mut spec) = spec else { unreachable!("the kind is never set") };
         for name in &names {
             spec.fix(name);
@@ -68,6 +72,8 @@ impl Arguments {
             checked => checked?,
         }
         spec.request().check(&spec, spec.reachable())?;
+        // Dials that are reachable alone may not be together.
+        spec.candidates(self.seed).map_err(|error| Usage(error.to_string()))?;
         Ok(spec)
     }
 }

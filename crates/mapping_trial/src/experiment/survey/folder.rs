@@ -15,7 +15,7 @@ use super::site::{Failure, Outcome, Site};
 use crate::experiment::design::Shard;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::head;
-use crate::experiment::lines::{self, Lines, line};
+use crate::experiment::lines::{self, Lines, TRIALS, line};
 use crate::experiment::write;
 use crate::trial::LogWorld;
 
@@ -23,7 +23,7 @@ use crate::trial::LogWorld;
 pub const SURVEY_VERSION: u32 = 2;
 
 /// The file that describes what a folder holds.
-const HEAD: &str = "survey.json";
+const HEAD: &str = head::SURVEY;
 
 /// What a folder holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -104,6 +104,10 @@ impl SurveyFolder {
                 return Err(ExperimentError::Other { path: folder.to_owned(), difference });
             }
             Some(_) => {}
+            None if folder.join(TRIALS).exists() => {
+                let reason = format!("there are trials, but no {HEAD} that describes them");
+                return Err(ExperimentError::Content { path: folder.to_owned(), reason });
+            }
             None => head::write(&path, &head)?,
         }
         let (lines, text) = Lines::open(folder)?;
@@ -267,9 +271,14 @@ impl SurveyFolder {
         self.head.all()
     }
 
-    /// Runs the first finished trial again.
+    /// Runs the first and the last finished trial again.
     fn check_code(&self) -> Result<(), ExperimentError> {
-        let Some(known) = self.records.values().next() else { return Ok(()) };
+        let (first, last) = (self.records.values().next(), self.records.values().next_back());
+        first.into_iter().chain(last).try_for_each(|known| self.check_trial(known))
+    }
+
+    /// Runs a finished trial again.
+    fn check_trial(&self, known: &Record) -> Result<(), ExperimentError> {
         let survey = &self.head.survey;
         let Some(map) = survey.maps().nth(known.map as usize) else { return Ok(()) };
         if record(survey, &map, &place(&map), known.condition, known.noise)? == *known {
