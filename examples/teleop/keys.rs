@@ -1,6 +1,7 @@
 //! Keys and gamepads.
 
 use bevy::input::gamepad::{Gamepad, GamepadButton};
+use bevy::input::keyboard::Key;
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_mapping_trial::prelude::*;
@@ -42,6 +43,7 @@ pub(crate) fn steer(
 pub(crate) fn act(
     mut session: ResMut<Session>,
     keys: Res<ButtonInput<KeyCode>>,
+    letters: Res<ButtonInput<Key>>,
     pads: Query<&Gamepad>,
     mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
     worlds: Query<&GroundTruth>,
@@ -58,8 +60,13 @@ pub(crate) fn act(
         session.begin(spawned, &mut commands);
         return;
     }
-    let nearer = keys.any_just_pressed([KeyCode::Equal, KeyCode::NumpadAdd]);
-    let farther = keys.any_just_pressed([KeyCode::Minus, KeyCode::NumpadSubtract]);
+    // By what they type: + and - are elsewhere on other keyboards.
+    let typed = |texts: &[&str]| {
+        let mut pressed = letters.get_just_pressed();
+        pressed.any(|key| matches!(key, Key::Character(text) if texts.contains(&text.as_str())))
+    };
+    let nearer = typed(&["+", "="]) || keys.just_pressed(KeyCode::NumpadAdd);
+    let farther = typed(&["-", "_"]) || keys.just_pressed(KeyCode::NumpadSubtract);
     if nearer || farther {
         for mut camera in &mut cameras {
             let factor = if nearer { 1.0 / ZOOM_STEP } else { ZOOM_STEP };

@@ -201,7 +201,7 @@ impl Environment {
     /// A point of the world, in metres, in the space of the app, where `frame` is the entity's
     /// [`GlobalTransform`].
     pub fn point_in_app(&self, frame: &GlobalTransform, point: DVec2) -> Vec2 {
-        frame.transform_point((point - self.origin).as_vec2().extend(0.0)).truncate()
+        SpawnedOrigin(self.origin).point_in_app(frame, point)
     }
 
     /// The smallest rectangle of the app's space around an area of the world: for the bounds of its
@@ -353,6 +353,20 @@ pub enum EnvironmentError {
 #[derive(Component, Clone, Debug, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct GroundTruth(pub Arc<World>);
+
+/// The point of the world that is spawned at the entity's origin, in metres, on the entity of its [`Environment`].
+/// [`Environment::origin`] is that of the next world while that is generated, or if it failed. It is not reflected, as
+/// [`GroundTruth`].
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(clone_behavior = Ignore)]
+pub struct SpawnedOrigin(pub DVec2);
+
+impl SpawnedOrigin {
+    /// As [`Environment::point_in_app`], of the world that is spawned.
+    pub fn point_in_app(self, frame: &GlobalTransform, point: DVec2) -> Vec2 {
+        frame.transform_point((point - self.0).as_vec2().extend(0.0)).truncate()
+    }
+}
 
 /// The endless forest that is streamed, on the entity of its [`Environment`]. It is not reflected,
 /// so scenes do not hold it: it is generated again.

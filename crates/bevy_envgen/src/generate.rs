@@ -13,11 +13,9 @@ use crate::diagnostics::{EnvgenDiagnosticsPlugin, measure};
 use crate::environment::{
     EndlessTruth, Environment, EnvironmentError, EnvironmentExtent, EnvironmentFailed,
     EnvironmentFailure, EnvironmentReady, EnvironmentState, EnvironmentStats, GenerationMode,
-    GroundTruth, RebuildEnvironment, WorldSource,
+    GroundTruth, RebuildEnvironment, SpawnedOrigin, WorldSource,
 };
-use crate::job::{
-    Generated, GenerationJob, Job, Outcome, PendingEvents, Request, SpawnedOrigin, SpawnedTiles,
-};
+use crate::job::{Generated, GenerationJob, Job, Outcome, PendingEvents, Request, SpawnedTiles};
 use crate::landmarks::EnvironmentLandmarks;
 use crate::place::{check_transform, global_transform, propagate};
 use crate::plan::Plan;

@@ -12,7 +12,7 @@ use envgen::WorldSpec;
 use envgen::forest::EndlessForest;
 use envgen::glam::DVec2;
 
-use crate::environment::{Environment, EnvironmentError};
+use crate::environment::{Environment, EnvironmentError, SpawnedOrigin};
 use crate::plan::{Plan, TileKey};
 
 /// The generation of an environment's world.
@@ -79,10 +79,6 @@ pub(crate) struct SpawnedTiles {
     /// Whether it is despawned because its transform is invalid.
     pub(crate) suspended: bool,
 }
-
-/// The origin of the world that is spawned: that of the [`Environment`] may be of the next one.
-#[derive(Component)]
-pub(crate) struct SpawnedOrigin(pub(crate) DVec2);
 
 /// The origin of the world that is spawned below an environment.
 pub(crate) fn spawned_origin(world: &World, environment: Entity) -> DVec2 {

@@ -133,7 +133,8 @@ pub use difficulty::{
 pub use environment::{
     EndlessTruth, Environment, EnvironmentError, EnvironmentExtent, EnvironmentFailed,
     EnvironmentFailure, EnvironmentReady, EnvironmentState, EnvironmentStats, GenerationMode,
-    GroundTruth, RebuildEnvironment, SolidStorage, SourceSpec, SourceWorld, WorldSource,
+    GroundTruth, RebuildEnvironment, SolidStorage, SourceSpec, SourceWorld, SpawnedOrigin,
+    WorldSource,
 };
 pub use generate::MAX_PARTS;
 pub use height::HeightRange;

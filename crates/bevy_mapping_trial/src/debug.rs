@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
-use bevy_envgen::Environment;
+use bevy_envgen::SpawnedOrigin;
 use bevy_envgen::debug::{DebugSystems, EnvgenDebugPlugin, EnvgenGizmos};
 use bevy_envgen::visuals::color;
 use envgen::geometry::unit_vector;
@@ -86,13 +86,13 @@ impl DebugTrials for App {
 }
 
 type Trials<'w, 's, T> =
-    Query<'w, 's, (Entity, &'static Environment, &'static GlobalTransform, &'static T)>;
+    Query<'w, 's, (Entity, &'static SpawnedOrigin, &'static GlobalTransform, &'static T)>;
 
 /// Draws the beams of the robots' last scans.
 fn draw_rays<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
-    for (_, environment, frame, holder) in &trials {
+    for (_, origin, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
-        let place = |p: DVec2| environment.point_in_app(frame, p);
+        let place = |p: DVec2| origin.point_in_app(frame, p);
         beams(trial, |from, to| {
             gizmos.line_2d(place(from), place(to), color(BEAM).with_alpha(0.35))
         });
@@ -161,12 +161,12 @@ fn draw_frontiers<T: WatchTrial>(
         return;
     }
     edges.retain(|&entity, _| trials.contains(entity));
-    for (entity, environment, frame, holder) in &trials {
+    for (entity, origin, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
         let robot = &trial.settings().body;
         let edge = edges.entry(entity).or_insert_with(|| Edge::new(robot));
         edge.renew(trial.autonomy().slam().map(), robot);
-        let place = |p: DVec2| environment.point_in_app(frame, p);
+        let place = |p: DVec2| origin.point_in_app(frame, p);
         edge.cells(|cluster, p| {
             let color = Color::hsl((cluster as f32 * HUE_STEP) % 360.0, 0.9, 0.45);
             for side in [DVec2::new(CELL, CELL), DVec2::new(CELL, -CELL)] {
@@ -178,9 +178,9 @@ fn draw_frontiers<T: WatchTrial>(
 
 /// Draws the paths that exploration policies follow, and their goals.
 fn draw_plans<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
-    for (_, environment, frame, holder) in &trials {
+    for (_, origin, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
-        let place = |p: DVec2| environment.point_in_app(frame, p);
+        let place = |p: DVec2| origin.point_in_app(frame, p);
         let Some(policy) = trial.autonomy().policy() else { continue };
         for robot in 0..trial.robots() {
             let path = policy.path(robot);

@@ -9,6 +9,7 @@ use thiserror::Error;
 pub const MAX_SIDE: u32 = 8192;
 
 /// The number of frames after which a missing picture is an error.
+#[cfg(feature = "render")]
 pub(crate) const MOST_FRAMES: u32 = 100;
 
 /// Why a picture or film cannot be made.

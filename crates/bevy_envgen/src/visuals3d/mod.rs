@@ -108,6 +108,8 @@ impl Plugin for EnvgenVisuals3dPlugin {
             PostUpdate,
             tree_levels::choose_levels
                 .after(TransformSystems::Propagate)
+                // When robots' cameras are active that take a picture.
+                .after(VisibilitySystems::UpdateFrusta)
                 .before(VisibilitySystems::CheckVisibility),
         );
         require_visibility(app);

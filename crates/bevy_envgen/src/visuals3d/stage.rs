@@ -17,8 +17,8 @@ use super::finish_material::{can_draw, material};
 use super::glow::{self, is_building};
 use super::palette::Palette3d;
 use super::settings::Visuals3dSettings;
-use crate::environment::{EndlessTruth, Environment, GroundTruth};
-use crate::job::{SpawnedOrigin, spawned_origin};
+use crate::environment::{EndlessTruth, Environment, GroundTruth, SpawnedOrigin};
+use crate::job::spawned_origin;
 use crate::streaming::StreamAround;
 
 /// Ground and light of a world, on a child of its [`Environment`]. Its own children are what draws.

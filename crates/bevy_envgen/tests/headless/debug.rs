@@ -105,7 +105,6 @@ const PRIVATE: &[&str] = &[
     "bevy_envgen::difficulty::DifficultyTask",
     "bevy_envgen::job::GenerationJob",
     "bevy_envgen::job::PendingEvents",
-    "bevy_envgen::job::SpawnedOrigin",
     "bevy_envgen::job::SpawnedTiles",
     "bevy_envgen::streaming::Streaming",
     "bevy_envgen::systems::EnvgenSchedules",
@@ -121,6 +120,7 @@ const MADE_AGAIN: &[&str] = &[
     "bevy_envgen::environment::EndlessTruth",
     "bevy_envgen::environment::EnvironmentFailure",
     "bevy_envgen::environment::GroundTruth",
+    "bevy_envgen::environment::SpawnedOrigin",
     "bevy_envgen::scenario::request::ScenarioFailure",
     "bevy_envgen::scenario::run::ScenarioRun",
 ];

@@ -115,9 +115,10 @@ impl Movers<'_, '_> {
             let Some(mesh) = meshes.get(&mesh.0) else { continue };
             let shift = DAffine3::from_translation(-frame.origin);
             let place = shift * frame.to_world * at.affine().as_daffine3();
-            let positions = mesh.attribute(Mesh::ATTRIBUTE_POSITION);
-            let (Some(positions), Some(indices)) =
-                (positions.and_then(|values| values.as_float3()), mesh.indices())
+            // Meshes that only the graphics card holds have neither.
+            let positions = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok();
+            let (Some(positions), Ok(indices)) =
+                (positions.and_then(|values| values.as_float3()), mesh.try_indices())
             else {
                 continue;
             };

@@ -3,6 +3,7 @@
 use bevy::app::PostUpdate;
 use bevy::camera::CameraUpdateSystems;
 use bevy::camera::visibility::VisibilitySystems;
+use bevy::light::SimulationLightSystems;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
@@ -32,6 +33,8 @@ impl Plugin for RobotCameraPlugin {
                     .in_set(RobotCameraSystems)
                     .after(TransformSystems::Propagate)
                     .after(CameraUpdateSystems)
+                    // They leave cameras out that are not active, which drawing does not expect.
+                    .before(SimulationLightSystems::UpdateDirectionalLightCascades)
                     .before(VisibilitySystems::UpdateFrusta)
                     .before(VisibilitySystems::CheckVisibility),
             );

@@ -114,18 +114,31 @@ impl<'a> CameraTrial<'a> {
             0 | 1 => vec![folder.clone()],
             robots => (1..=robots).map(|robot| folder.join(format!("robot_{robot}"))).collect(),
         };
+        // Begun with their first pictures: a trial that cannot begin leaves an earlier recording.
+        let mut folders: Vec<Option<CameraFolder>> = paths.iter().map(|_| None).collect();
         let begin = |path: &PathBuf| {
             CameraFolder::create(path, recording.camera).map_err(|error| of_file(path, error))
         };
-        let mut folders = paths.iter().map(begin).collect::<Result<Vec<_>, _>>()?;
         let trial = self.watch(recording.camera, progress, |robot, frame| {
-            let pushed = folders.get_mut(robot).map_or(Ok(()), |folder| folder.push(frame));
-            pushed.map_err(|error| of_file(&paths[robot], error))
+            let (Some(folder), Some(path)) = (folders.get_mut(robot), paths.get(robot)) else {
+                return Ok(());
+            };
+            let folder = match folder {
+                Some(folder) => folder,
+                None => folder.insert(begin(path)?),
+            };
+            folder.push(frame).map_err(|error| of_file(path, error))
         });
-        let finish = |(folder, path): (CameraFolder, &PathBuf)| {
-            folder.finish().map_err(|error| of_file(path, error))
-        };
-        let files = folders.into_iter().zip(&paths).map(finish).collect::<Result<_, _>>()?;
+        let mut files = Vec::new();
+        for (folder, path) in folders.into_iter().zip(&paths) {
+            let folder = match folder {
+                None if trial.is_ok() => Some(begin(path)?),
+                folder => folder,
+            };
+            if let Some(folder) = folder {
+                files.push(folder.finish().map_err(|error| of_file(path, error))?);
+            }
+        }
         Ok((trial?, files))
     }
 

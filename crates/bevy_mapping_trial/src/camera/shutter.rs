@@ -12,7 +12,7 @@ use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_envgen::visuals3d::Visuals3dSettings;
-use bevy_envgen::{EndlessTruth, Environment, GroundTruth, ScenarioRun};
+use bevy_envgen::{EndlessTruth, Environment, GroundTruth, ScenarioRun, SpawnedOrigin};
 
 use super::frame::CameraFrame;
 use super::labels::Labels;
@@ -168,6 +168,7 @@ type Seeing = (
 type Surroundings = (
     Entity,
     &'static Environment,
+    Option<&'static SpawnedOrigin>,
     Option<&'static GroundTruth>,
     Has<EndlessTruth>,
     &'static GlobalTransform,
@@ -201,7 +202,7 @@ pub(super) fn shoot(
         if !wheels.is_placed() {
             continue;
         }
-        let picture = match site.take(camera, pose, parent, &mut shutter) {
+        let picture = match site.take(robot, camera, pose, parent, &mut shutter) {
             Ok(Some(picture)) => picture,
             Ok(None) => continue,
             Err(error) => {
@@ -228,6 +229,7 @@ impl Site<'_, '_> {
     /// The picture of a camera but for its colours; `None` where none is due.
     fn take(
         &mut self,
+        robot: Entity,
         camera: &RobotCamera,
         pose: &TruePose,
         parent: Option<&ChildOf>,
@@ -235,14 +237,17 @@ impl Site<'_, '_> {
     ) -> Result<Option<CameraFrame>, CameraError> {
         let own = parent.and_then(|parent| self.environments.get(parent.parent()).ok());
         let around = own.or_else(|| self.environments.single().ok());
-        let (entity, environment, truth, is_endless, frame, run, trial) =
+        let (entity, environment, origin, truth, is_endless, frame, run, trial) =
             around.ok_or(CameraError::NoEnvironment)?;
         if is_endless {
             return Err(CameraError::Endless);
         }
+        let origin = origin.map_or(environment.origin, |origin| origin.0);
         // A world that is not ready is waited for.
         let Some(truth) = truth else { return Ok(None) };
-        let time = trial.and_then(MappingTrial::trial).map(|trial| trial.time());
+        // That of its trial: one that is over has no time for other robots.
+        let own = trial.filter(|trial| trial.robots().contains(&robot));
+        let time = own.and_then(MappingTrial::trial).map(|trial| trial.time());
         let time = time.unwrap_or(self.fixed.elapsed_secs_f64());
         let due = (time * camera.rate + ROUNDING).floor() as u64;
         if shutter.last == Some(due) {
@@ -260,7 +265,7 @@ impl Site<'_, '_> {
         let mut picture = CameraFrame {
             number: shutter.taken,
             time,
-            pose: CameraPose::new(in_world(pose, &to_frame, environment), camera),
+            pose: CameraPose::new(in_world(pose, &to_frame, origin), camera),
             optics: CameraOptics::new(camera),
             color: None,
             depth: None,
@@ -269,7 +274,7 @@ impl Site<'_, '_> {
         };
         if camera.images.depth || camera.images.labels {
             let scene = &known.scene;
-            let to_world = DAffine3::from_translation(environment.origin.extend(0.0)) * to_frame;
+            let to_world = DAffine3::from_translation(origin.extend(0.0)) * to_frame;
             let frame = SceneFrame { to_world, origin: scene.origin };
             let around = (entity, &*known.world, run);
             let moving = self.movers.triangles(around, &known.names, &frame);

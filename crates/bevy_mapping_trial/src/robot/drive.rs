@@ -43,8 +43,14 @@ pub(super) fn drive(
         // A drowned robot is not even pushed.
         if *condition == RobotCondition::Drowned {
             kind.set_if_neq(RigidBody::Fixed);
-            wheels.set_if_neq(Wheels::default());
+            if !wheels.drowned {
+                *wheels = Wheels { drowned: true, ..default() };
+            }
             continue;
+        }
+        // It was taken out of the water.
+        if std::mem::take(&mut wheels.bypass_change_detection().drowned) {
+            kind.set_if_neq(RigidBody::Dynamic);
         }
         let Some(pose) = pose_of(bodies, entity) else { continue };
         let empty = battery.is_some_and(|battery| battery.left <= 0.0);

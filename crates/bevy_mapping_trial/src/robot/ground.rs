@@ -2,7 +2,7 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use bevy_envgen::{Environment, GroundTruth};
+use bevy_envgen::{GroundTruth, SpawnedOrigin};
 use envgen::glam::DVec2;
 use envgen::raycast::Raycaster;
 use envgen::surface_index::{Ground, SurfaceIndex};
@@ -63,16 +63,16 @@ pub(super) fn index(
 /// The ground of all environments.
 #[derive(SystemParam)]
 pub(super) struct Terrain<'w, 's> {
-    worlds: Query<'w, 's, (&'static GroundIndex, &'static Environment, &'static GlobalTransform)>,
+    worlds: Query<'w, 's, (&'static GroundIndex, &'static SpawnedOrigin, &'static GlobalTransform)>,
 }
 
 impl Terrain<'_, '_> {
     /// The ground at a point of rapier's world; where environments overlap, the worst value of each
     /// property.
     pub(super) fn at(&self, p: DVec2) -> Ground {
-        self.worlds.iter().fold(Ground::PLAIN, |worst, (index, environment, transform)| {
+        self.worlds.iter().fold(Ground::PLAIN, |worst, (index, origin, transform)| {
             let affine = transform.affine().as_daffine3().inverse();
-            let local = affine.transform_point3(p.extend(0.0)).truncate() + environment.origin;
+            let local = affine.transform_point3(p.extend(0.0)).truncate() + origin.0;
             worst.worst(index.surfaces.at(local))
         })
     }
@@ -81,10 +81,10 @@ impl Terrain<'_, '_> {
     /// from what rapier's ray meets after `range` metres, since it is too dark to be seen from there. The
     /// parts of a tile may share a collider, which cannot tell.
     pub(super) fn is_unseen(&self, height: f64, p: DVec2, direction: DVec2, range: f64) -> bool {
-        self.worlds.iter().any(|(index, environment, transform)| {
+        self.worlds.iter().any(|(index, origin, transform)| {
             let Some(Some(dark)) = index.dark_at(height) else { return false };
             let affine = transform.affine().as_daffine3().inverse();
-            let from = affine.transform_point3(p.extend(0.0)).truncate() + environment.origin;
+            let from = affine.transform_point3(p.extend(0.0)).truncate() + origin.0;
             let along = affine.transform_vector3(direction.extend(0.0)).truncate();
             let hit = dark.cast_along(from, along.normalize_or_zero(), range + SAME_HIT);
             hit.is_some_and(|hit| dark.is_unseen(hit))

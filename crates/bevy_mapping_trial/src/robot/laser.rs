@@ -24,8 +24,8 @@ pub struct LaserScanner {
     pub(super) sight: ScenarioSight,
     /// The robot's number: its draws of smoke.
     pub(super) robot: u64,
-    /// Steps until the next scan.
-    pub(super) wait: u32,
+    /// Ticks since the last scan; `None` before the first.
+    pub(super) age: Option<f64>,
 }
 
 impl LaserScanner {
@@ -41,7 +41,7 @@ impl LaserScanner {
     /// A laser with the beams and the rate of `profile`, and a custom error model.
     pub fn with_sensor(profile: LaserProfile, sensor: Box<dyn LaserSensor + Send + Sync>) -> Self {
         let sight = ScenarioSight::new(&profile, Seed(0));
-        LaserScanner { profile, sensor, sight, robot: 0, wait: 0 }
+        LaserScanner { profile, sensor, sight, robot: 0, age: None }
     }
 
     /// With draws of echoes from smoke that follow from a seed and the robot's number, instead of 0 and 0.

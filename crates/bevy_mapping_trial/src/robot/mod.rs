@@ -102,6 +102,9 @@ impl Plugin for RobotPlugin {
                 self.schedule,
                 (
                     (ground::index, drive::drive).chain().in_set(RobotSystems::Drive),
+                    sense::note_places
+                        .after(PhysicsSet::SyncBackend)
+                        .before(PhysicsSet::StepSimulation),
                     (sense::sense, scan::scan).chain().in_set(RobotSystems::Sense),
                 ),
             );

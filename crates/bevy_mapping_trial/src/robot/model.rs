@@ -94,6 +94,11 @@ pub struct Wheels {
     pub(super) bogged: bool,
     /// Whether its pose was read before, so that the next change is a motion.
     pub(super) placed: bool,
+    /// Its pose before the step, in rapier's frame.
+    #[reflect(ignore)]
+    pub(super) before: Option<Pose>,
+    /// Whether water holds the body.
+    pub(super) drowned: bool,
 }
 
 impl Wheels {

@@ -5,12 +5,16 @@ use bevy_envgen::HeightRange;
 use bevy_rapier2d::prelude::{QueryFilter, ReadRapierContext};
 use envgen::geometry::unit_vector;
 use envgen::glam::DVec2;
+use mapping_trial::backend::TICK;
 use mapping_trial::lidar::UNSEEN;
 
 use super::ground::Terrain;
 use super::laser::{LaserScan, LaserScanner};
 use super::model::{RobotModel, TruePose};
 use super::scenarios::Scenarios;
+
+/// Ticks by which sums of steps may be off.
+const ROUNDING: f64 = 1e-6;
 
 /// The ranges of a scan, kept to save allocations.
 #[derive(Default)]
@@ -23,6 +27,7 @@ pub(super) struct Ranges {
 
 /// Takes the scans that are due.
 pub(super) fn scan(
+    time: Res<Time>,
     mut robots: Query<(Entity, &RobotModel, &TruePose, &mut LaserScanner, &mut LaserScan)>,
     rapier: ReadRapierContext,
     terrain: Terrain,
@@ -32,16 +37,20 @@ pub(super) fn scan(
     mut ranges: Local<Ranges>,
 ) {
     let Ok(rapier) = rapier.single() else { return };
+    let ticks = time.delta_secs_f64() / TICK;
     let Ranges { exact, directions, unseen } = &mut *ranges;
     for (entity, model, pose, mut scanner, mut scan) in &mut robots {
         if !rapier.rigidbody_set.entity2body().contains_key(&entity) {
             continue;
         }
-        if scanner.wait > 0 {
-            scanner.wait -= 1;
+        // Steps of another length than a tick leave a rest.
+        let period = f64::from(scanner.profile().ticks_a_scan.max(1));
+        let age = scanner.age.map_or(period, |age| age + ticks);
+        scanner.age = Some(age);
+        if age < period - ROUNDING {
             continue;
         }
-        scanner.wait = scanner.profile().ticks_a_scan.max(1) - 1;
+        scanner.age = Some((age - period).max(0.0) % period);
         let from = model.laser_pose(pose.pose());
         let origin = from.position.as_vec2();
         let filter = QueryFilter::new().exclude_rigid_body(entity).exclude_sensors();

@@ -2,7 +2,7 @@
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
-use bevy_envgen::Environment;
+use bevy_envgen::SpawnedOrigin;
 use bevy_envgen::scenario::{DoorLeaf, Person, ScenarioRun};
 use mapping_trial::lidar::{Rays, ScenarioSight};
 
@@ -12,7 +12,7 @@ type Moving = Or<(With<Person>, With<DoorLeaf>)>;
 /// The scenarios of all environments.
 #[derive(SystemParam)]
 pub(super) struct Scenarios<'w, 's> {
-    runs: Query<'w, 's, (&'static ScenarioRun, &'static Environment, &'static GlobalTransform)>,
+    runs: Query<'w, 's, (&'static ScenarioRun, &'static SpawnedOrigin, &'static GlobalTransform)>,
     moving: Query<'w, 's, (), Moving>,
 }
 
@@ -32,7 +32,7 @@ impl Scenarios<'_, '_> {
         ranges: &mut [f64],
     ) -> Vec<usize> {
         let mut zero = Vec::new();
-        for (run, environment, transform) in &self.runs {
+        for (run, origin, transform) in &self.runs {
             let affine = transform.affine().as_daffine3().inverse();
             let scale = affine.matrix3.x_axis.length();
             let from = affine.transform_point3(rays.from.extend(0.0)).truncate();
@@ -42,7 +42,7 @@ impl Scenarios<'_, '_> {
                 .map(|along| affine.transform_vector3(along.extend(0.0)).truncate() / scale)
                 .collect();
             let rays = Rays {
-                from: from + environment.origin,
+                from: from + origin.0,
                 directions: &directions,
                 max_range: rays.max_range * scale,
             };

@@ -26,6 +26,18 @@ type Sensing = (
     Option<&'static mut Battery>,
 );
 
+/// Notes where bodies are before the step: what moved them until then, such as a change of their [`Transform`] or of
+/// that of their environment, turned no wheels.
+pub(super) fn note_places(
+    mut robots: Query<(Entity, &mut Wheels), With<RobotModel>>,
+    rapier: ReadRapierContext,
+) {
+    let Ok(rapier) = rapier.single() else { return };
+    for (entity, mut wheels) in &mut robots {
+        wheels.bypass_change_detection().before = pose_of(rapier.rigidbody_set, entity);
+    }
+}
+
 /// Reads poses, contacts, odometry and batteries.
 pub(super) fn sense(
     time: Res<Time>,
@@ -40,7 +52,7 @@ pub(super) fn sense(
         &mut robots
     {
         let Some(pose) = pose_of(rapier.rigidbody_set, entity) else { continue };
-        let from = if wheels.placed { truth.pose() } else { pose };
+        let from = wheels.before.filter(|_| wheels.placed).unwrap_or(pose);
         wheels.placed = true;
         let turn = wrap_angle(pose.heading - from.heading);
         let ahead = unit_vector(from.heading + 0.5 * turn);

@@ -48,8 +48,11 @@ pub(super) enum State {
     Warming(Box<Run>),
     Running(Box<Run>),
     Over(Box<Run>),
-    /// The trial cannot begin in this place.
-    Failed(Place),
+    /// The trial cannot begin in this place; whether time steps and scale suited it.
+    Failed {
+        place: Place,
+        suited: bool,
+    },
 }
 
 /// Where a trial is: the world, and the scenario by the tick of its beginning.
@@ -78,7 +81,8 @@ impl MappingTrial {
         MappingTrial::of(Request::New(Box::new(settings)))
     }
 
-    /// Replays a log of engine [`ENGINE`](super::ENGINE); the environment's world must be the log's.
+    /// Replays a log of engine [`ENGINE`](super::ENGINE); the environment's world must be the log's. To the last bit where
+    /// transform, origin and colliders are those of the environment that the log is from.
     pub fn replay(log: TrialLog) -> Self {
         MappingTrial::of(Request::Replay(Box::new(log)))
     }
@@ -110,7 +114,7 @@ impl MappingTrial {
 
     /// Whether it cannot begin in the current world: see [`TrialFailed`](super::TrialFailed).
     pub fn has_failed(&self) -> bool {
-        matches!(self.state, State::Failed(_))
+        matches!(self.state, State::Failed { .. })
     }
 
     /// Ends the trial in the next tick, for every robot that is still driving.
@@ -123,7 +127,7 @@ impl MappingTrial {
     fn run(&self) -> Option<&Run> {
         match &self.state {
             State::Warming(run) | State::Running(run) | State::Over(run) => Some(run),
-            State::Waiting | State::Failed(_) => None,
+            State::Waiting | State::Failed { .. } => None,
         }
     }
 

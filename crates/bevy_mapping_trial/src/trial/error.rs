@@ -41,6 +41,9 @@ pub enum MappingTrialError {
     /// The environment's doors, people or smoke cannot be.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// The environment has no end.
+    #[error("a trial needs a world with an end, but the environment's is endless")]
+    Endless,
     /// The environment is scaled.
     #[error("the environment's scale must be 1 for a trial, got {found}")]
     Scale {

@@ -58,7 +58,9 @@ impl Plugin for TrialPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    (run::begin, run::command).chain().in_set(TrialSystems::Command),
+                    (run::refuse_endless, run::begin, run::command)
+                        .chain()
+                        .in_set(TrialSystems::Command),
                     run::record.in_set(TrialSystems::Record),
                 ),
             );

@@ -4,10 +4,12 @@ use bevy::prelude::*;
 use bevy_envgen::physics::{ColliderSettings, EnvironmentColliders};
 use bevy_envgen::scenario::RestartScenario;
 use bevy_envgen::{
-    Environment, EnvironmentScenario, EnvironmentState, GroundTruth, ScenarioFailure, ScenarioRun,
+    EndlessTruth, EnvironmentScenario, EnvironmentState, GroundTruth, ScenarioFailure, ScenarioRun,
+    SpawnedOrigin,
 };
 use bevy_rapier2d::prelude::TimestepMode;
 use envgen::geometry::Pose;
+use envgen::glam::DVec2;
 use envgen::world::Extent;
 use mapping_trial::backend::{Command, Condition, RobotBackend, Sensors, TICK};
 use mapping_trial::lidar::Scan;
@@ -31,7 +33,7 @@ const TOLERANCE: f64 = 1e-5;
 type Asked = (
     Entity,
     &'static mut MappingTrial,
-    &'static Environment,
+    &'static SpawnedOrigin,
     &'static EnvironmentState,
     &'static GroundTruth,
     &'static GlobalTransform,
@@ -51,18 +53,33 @@ pub(super) fn begin(
     colliders: Option<Res<ColliderSettings>>,
     mut commands: Commands,
 ) {
-    for (entity, mut trial, environment, state, truth, transform, scenario, own) in &mut trials {
+    for (entity, mut trial, origin, state, truth, transform, scenario, own) in &mut trials {
         let (request, mut moving, failure) = scenario;
         let place = Place {
             world: truth.0.clone(),
             scenario: moving.as_ref().map(|moving| moving.added()),
         };
-        let known = match &trial.state {
-            State::Waiting => None,
-            State::Failed(place) => Some(place),
-            State::Warming(run) | State::Running(run) | State::Over(run) => Some(&run.place),
+        let suits = check(&fixed, rapier.as_deref(), transform);
+        let stays = match &trial.state {
+            State::Waiting => false,
+            // What did not suit it may have been corrected.
+            State::Failed { place: known, suited } => {
+                known.is(&place) && (*suited || suits.is_err())
+            }
+            State::Over(run) => run.place.is(&place),
+            State::Warming(run) | State::Running(run) => {
+                let scale = check_scale(transform).err().filter(|_| run.place.is(&place));
+                if let Some(error) = scale {
+                    log::warn!("trial in environment {entity}: {error}");
+                    dismiss(trial.robots(), &mut commands);
+                    trial.state = State::Failed { place, suited: false };
+                    commands.trigger(TrialFailed { entity, error });
+                    continue;
+                }
+                run.place.is(&place)
+            }
         };
-        if known.is_some_and(|known| known.is(&place)) {
+        if stays {
             continue;
         }
         dismiss(trial.robots(), &mut commands);
@@ -71,7 +88,8 @@ pub(super) fn begin(
         if !matches!(state, EnvironmentState::Ready | EnvironmentState::Failed) {
             continue;
         }
-        let checked = check(&fixed, rapier.as_deref(), transform).and_then(|()| {
+        let suited = suits.is_ok();
+        let checked = suits.and_then(|()| {
             let root = &mut commands.entity(entity);
             let is_ready = prepare(&trial.ask, request, moving.as_deref_mut(), failure, root)?;
             is_ready.then(|| start(&trial, &place.world, moving.as_deref())).transpose()
@@ -85,7 +103,7 @@ pub(super) fn begin(
                 if let Some(wanted) = colliders_for(settings.unwrap_or_default(), body, truth) {
                     commands.entity(entity).insert(EnvironmentColliders(wanted));
                 }
-                let robots = spawn(&mut commands, entity, environment, transform, &mut placed);
+                let robots = spawn(&mut commands, (entity, *origin), transform, &mut placed);
                 let scans = vec![0; robots.len()];
                 let script = match &trial.ask {
                     Request::New(_) => Vec::new(),
@@ -104,10 +122,23 @@ pub(super) fn begin(
                     moving.set_paused(false);
                     moving.set_ignores_commands(false);
                 }
-                trial.state = State::Failed(place);
+                trial.state = State::Failed { place, suited };
                 commands.trigger(TrialFailed { entity, error });
             }
         }
+    }
+}
+
+/// Reports trials in worlds without an end.
+pub(super) fn refuse_endless(
+    trials: Query<Entity, (With<EndlessTruth>, Or<(Added<EndlessTruth>, Added<MappingTrial>)>)>,
+    asked: Query<(), With<MappingTrial>>,
+    mut commands: Commands,
+) {
+    for entity in trials.iter().filter(|&entity| asked.contains(entity)) {
+        let error = MappingTrialError::Endless;
+        log::warn!("trial in environment {entity}: {error}");
+        commands.trigger(TrialFailed { entity, error });
     }
 }
 
@@ -182,6 +213,10 @@ fn check(
             return Err(MappingTrialError::RapierStep { found });
         }
     }
+    check_scale(transform)
+}
+
+fn check_scale(transform: &GlobalTransform) -> Result<(), MappingTrialError> {
     let found = transform.scale();
     if (found - Vec3::ONE).abs().max_element() > TOLERANCE as f32 {
         return Err(MappingTrialError::Scale { found });
@@ -234,8 +269,7 @@ fn colliders_for(
 /// Spawns the robots of a trial as children of its environment.
 fn spawn(
     commands: &mut Commands,
-    entity: Entity,
-    environment: &Environment,
+    (entity, origin): (Entity, SpawnedOrigin),
     frame: &GlobalTransform,
     trial: &mut Trial<RapierRobots>,
 ) -> Vec<Entity> {
@@ -245,7 +279,7 @@ fn spawn(
     robots
         .map(|(index, Sensors { laser, odometry })| {
             let Pose { position, heading } = trial.bodies().pose(index);
-            let at = (position - environment.origin).as_vec2();
+            let at = (position - origin.0).as_vec2();
             let place = Transform::from_translation(at.extend(0.0))
                 .with_rotation(Quat::from_rotation_z(heading as f32));
             let robot = (
@@ -351,7 +385,7 @@ type Sensed = (
 type Recorded = (
     Entity,
     &'static mut MappingTrial,
-    &'static Environment,
+    &'static SpawnedOrigin,
     &'static GlobalTransform,
     Option<&'static mut ScenarioRun>,
 );
@@ -362,7 +396,7 @@ pub(super) fn record(
     mut robots: Query<Sensed, With<TrialRobot>>,
     mut commands: Commands,
 ) {
-    for (entity, mut trial, environment, transform, mut moving) in &mut trials {
+    for (entity, mut trial, origin, transform, mut moving) in &mut trials {
         let MappingTrial { time, state, .. } = trial.bypass_change_detection();
         let warming = matches!(state, State::Warming(_));
         let (State::Warming(run) | State::Running(run)) = state else { continue };
@@ -397,7 +431,7 @@ pub(super) fn record(
             let fresh = scan.number != run.scans[robot];
             run.scans[robot] = scan.number;
             let lost = *condition == RobotCondition::Drowned;
-            let pose = in_world(pose, &to_world, environment);
+            let pose = in_world(pose, &to_world, origin.0);
             let report = TickReport {
                 pose,
                 condition: if lost { Condition::Drowned } else { Condition::Operational },
@@ -430,15 +464,11 @@ pub(super) fn record(
 }
 
 /// A pose of rapier's frame in the frame of the world.
-pub(crate) fn in_world(
-    pose: &TruePose,
-    to_world: &bevy::math::DAffine3,
-    environment: &Environment,
-) -> Pose {
+pub(crate) fn in_world(pose: &TruePose, to_world: &bevy::math::DAffine3, origin: DVec2) -> Pose {
     let position = to_world.transform_point3(pose.position.extend(0.0)).truncate();
     let turn = to_world.matrix3.x_axis;
     let heading = pose.heading + libm::atan2(turn.y, turn.x);
-    Pose { position: position + environment.origin, heading: envgen::geometry::wrap_angle(heading) }
+    Pose { position: position + origin, heading: envgen::geometry::wrap_angle(heading) }
 }
 
 /// Despawns the robots of a trial whose environment loses its world. It begins again when there is one.

@@ -78,8 +78,15 @@ impl SetupForm {
         });
         choose(ui, "slam", &mut settings.slam);
         row(ui, "time limit", &help(&TrialSettings::setting("time_limit")), |ui| {
-            let seconds = DragValue::new(&mut settings.time_limit).range(1.0..=MAX_TIME_LIMIT);
-            ui.add(seconds.speed(5.0).suffix(" s"));
+            match settings.time_per_area {
+                // It follows from the area of the world.
+                Some(seconds) => drop(ui.label(format!("{seconds} s/m²"))),
+                None => {
+                    let seconds =
+                        DragValue::new(&mut settings.time_limit).range(1.0..=MAX_TIME_LIMIT);
+                    ui.add(seconds.speed(5.0).suffix(" s"));
+                }
+            }
         });
         row(ui, "training", "Shows the true world, before the trial and with the map", |ui| {
             ui.checkbox(&mut self.training, "show the truth");

@@ -36,7 +36,7 @@ use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy_envgen::scenario::{Door, Person, Smoke};
 use bevy_envgen::visuals::require_visibility;
-use bevy_envgen::{Environment, Tile};
+use bevy_envgen::{SpawnedOrigin, Tile};
 use envgen::glam::DVec2;
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::trial::Trial;
@@ -57,7 +57,7 @@ use crate::trial::{MappingTrial, RapierRobots};
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ShowIn3d;
 
-/// A component that holds a trial of the [`Environment`] on the same entity.
+/// A component that holds a trial of the [`Environment`](bevy_envgen::Environment) on the same entity.
 pub trait WatchTrial: Component {
     /// The robot backend of the trial.
     type RobotBackend: RobotBackend;
@@ -227,7 +227,7 @@ fn forget<T: WatchTrial>(removed: On<Remove, T>, mut commands: Commands) {
 
 /// A trial and its drawing.
 type Watched<'a, T> =
-    (Entity, &'a Environment, &'a T, &'a TrialView, &'a mut TrialSights, Option<&'a mut Drawing>);
+    (Entity, &'a SpawnedOrigin, &'a T, &'a TrialView, &'a mut TrialSights, Option<&'a mut Drawing>);
 
 /// Draws what has changed in the trials.
 fn draw<T: WatchTrial>(
@@ -235,7 +235,7 @@ fn draw<T: WatchTrial>(
     palette: Res<TrialPalette>,
     mut canvas: Canvas,
 ) {
-    for (entity, environment, holder, view, mut sights, drawing) in &mut trials {
+    for (entity, origin, holder, view, mut sights, drawing) in &mut trials {
         let Some(trial) = holder.watched() else {
             if let Some(drawing) = drawing {
                 canvas.commands.entity(drawing.root).try_despawn();
@@ -244,16 +244,16 @@ fn draw<T: WatchTrial>(
             }
             continue;
         };
-        look_around(trial, environment.origin, &mut sights);
+        look_around(trial, origin.0, &mut sights);
         if let Some(mut drawing) = drawing {
             if drawing.is_of(trial) {
-                drawing.renew(trial, view, environment.origin, &palette, &mut canvas);
+                drawing.renew(trial, view, origin.0, &palette, &mut canvas);
                 continue;
             }
             canvas.commands.entity(drawing.root).try_despawn();
         }
         if let Some(mut drawing) = Drawing::begin(entity, trial, &palette, &mut canvas) {
-            drawing.renew(trial, view, environment.origin, &palette, &mut canvas);
+            drawing.renew(trial, view, origin.0, &palette, &mut canvas);
             canvas.commands.entity(entity).insert(drawing);
         }
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use bevy_envgen::envgen::forest::ForestSpec;
 use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::envgen::scenario::{Scenario, ScenarioSpec};
 use bevy_envgen::envgen::{Blueprint, Seed, Spec, World};
@@ -197,4 +198,43 @@ fn films_show_what_the_first_robot_sees() {
     assert_eq!(film[6..10], [40, 0, 30, 0]);
     let wrong = trial().film(camera, (&path, 0.0), |_| ());
     assert!(matches!(wrong, Err(RecordingError::Drawing(_))));
+}
+
+/// In the open, where the sun casts shadows.
+#[test]
+fn colours_are_taken_under_the_sun() {
+    let spec = ForestSpec { width: 20.0, height: 20.0, intensity: 0.05, ..Default::default() };
+    let world = spec.generate(Seed(2)).unwrap().to_world();
+    let settings = TrialSettings { time_limit: 2.0, start: world.start, ..Default::default() };
+    let camera = RobotCamera { width: 60, height: 44, ..Default::default() };
+    let mut colours = std::collections::BTreeSet::new();
+    let mut frames = 0;
+    CameraTrial::new(&world, settings, TrialParts::default(), None)
+        .watch(
+            camera,
+            |_| (),
+            |_, frame| {
+                frames += 1;
+                colours.extend(frame.color.iter().flatten().copied());
+                Ok(())
+            },
+        )
+        .unwrap();
+    assert!(frames >= 4 && colours.len() > 50, "{frames} frames of {} tones", colours.len());
+}
+
+#[test]
+fn a_trial_that_cannot_begin_leaves_an_earlier_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let world = world();
+    let camera = RobotCamera { width: 20, height: 16, ..Default::default() };
+    let recording = CameraRecording { camera, folder: folder.path().to_owned() };
+    let settings = TrialSettings { time_limit: 1.0, robots: 1, ..settings(&world) };
+    let trial = |settings| CameraTrial::new(&world, settings, TrialParts::default(), None);
+    trial(settings.clone()).record(&recording, |_| ()).unwrap();
+    let before = files(folder.path());
+    assert!(before.len() > 3);
+    let bad = TrialSettings { time_limit: -1.0, ..settings };
+    trial(bad).record(&recording, |_| ()).unwrap_err();
+    assert!(files(folder.path()) == before, "the earlier recording is changed");
 }

@@ -96,3 +96,29 @@ fn robots_that_are_despawned_before_the_start_are_spawned_again() {
     assert_eq!(reported(&app), ["started"]);
     assert_eq!(robots(&mut app), 1);
 }
+
+#[test]
+fn a_trial_fails_where_its_environment_is_scaled_until_that_is_corrected() {
+    let mut app = app(20.0);
+    let root = running(&mut app, short(60.0));
+    app.world_mut().entity_mut(root).insert(Transform::from_scale(Vec3::splat(2.0)));
+    step(&mut app, 20);
+    assert!(trial(&app, root).has_failed() && reported(&app)[1].contains("scale"));
+    assert_eq!((reported(&app).len(), robots(&mut app)), (2, 0));
+    app.world_mut().entity_mut(root).insert(Transform::IDENTITY);
+    step(&mut app, 20);
+    assert_eq!((reported(&app).len(), robots(&mut app)), (3, 1));
+    assert_eq!(reported(&app)[2], "started");
+}
+
+#[test]
+fn a_trial_in_a_world_without_an_end_is_refused() {
+    let mut app = app(20.0);
+    listen(&mut app);
+    let anchor = app.world_mut().spawn(Transform::default()).id();
+    let forest = Environment::new(ForestSpec { intensity: 0.01, ..default() }, 1).endless(30.0);
+    let around = StreamAround::new(anchor, 30.0);
+    app.world_mut().spawn((forest, around, MappingTrial::new(short(60.0))));
+    step(&mut app, 60);
+    assert!(reported(&app).len() == 1 && reported(&app)[0].contains("endless"));
+}

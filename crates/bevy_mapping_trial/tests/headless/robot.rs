@@ -329,3 +329,51 @@ fn robots_with_little_grip_take_longer_to_start() {
     // At 0.05 g a second of pushing makes a quarter of a metre.
     assert!((ice - 0.245).abs() < 0.03 && ground > 0.6, "{ice} and {ground} m");
 }
+
+#[test]
+fn a_robot_that_is_put_elsewhere_turns_no_wheels() {
+    let mut app = app(room(40.0, 10.0));
+    let robot = robot(&mut app, 5.0, 5.0);
+    drive(&mut app, robot, 0.5, 0.0, 2.0);
+    let before = position(&app, robot);
+    app.world_mut().get_mut::<Transform>(robot).unwrap().translation.x += 20.0;
+    let (measured, turn) = drive(&mut app, robot, 0.5, 0.0, 2.0);
+    let driven = position(&app, robot).x - before.x - 20.0;
+    assert!((0.5..1.5).contains(&driven), "{driven}");
+    assert!((measured - driven).abs() < 1e-3 && turn.abs() < 1e-3, "{measured} for {driven}");
+    // So does one whose parent is moved.
+    let parent = app.world_mut().spawn((Transform::default(), Visibility::default())).id();
+    app.world_mut().entity_mut(robot).insert(ChildOf(parent));
+    drive(&mut app, robot, 0.0, 0.0, 2.0);
+    app.world_mut().get_mut::<Transform>(parent).unwrap().translation.x -= 10.0;
+    let (measured, turn) = drive(&mut app, robot, 0.0, 0.0, 1.0);
+    assert!(measured.abs() < 1e-3 && turn.abs() < 1e-3, "{measured} {turn}");
+}
+
+#[test]
+fn a_robot_that_is_taken_out_of_the_water_drives_again() {
+    let mut world = room(20.0, 10.0);
+    let shape = Shape::from_rect(Rect::new(DVec2::new(2.0, 0.0), DVec2::new(3.0, 10.0)));
+    world.surfaces.push(Ground::new(SurfaceKind::Water, shape));
+    let mut app = app(world);
+    let robot = robot(&mut app, 5.0, 5.0);
+    drive(&mut app, robot, -0.5, 0.0, 10.0);
+    assert_eq!(app.world().get(robot), Some(&RobotCondition::Drowned));
+    app.world_mut().get_mut::<Transform>(robot).unwrap().translation.x = 10.0;
+    *app.world_mut().get_mut::<RobotCondition>(robot).unwrap() = RobotCondition::Operational;
+    drive(&mut app, robot, 0.5, 0.0, 4.0);
+    let x = position(&app, robot).x;
+    assert!(x > 11.0, "it stands at {x}");
+}
+
+#[test]
+fn a_laser_has_the_rate_of_its_profile_whatever_the_steps() {
+    let mut app = app(room(10.0, 10.0));
+    let laser = LaserScanner::new(LaserProfile::USARSIM, 1, 0);
+    let place = Transform::from_xyz(5.0, 5.0, 0.0);
+    let robot = app.world_mut().spawn((RobotModel::default(), place, laser)).id();
+    // 64 steps per second, a scan in 0.2 s.
+    step(&mut app, 641);
+    let number = app.world().get::<LaserScan>(robot).unwrap().number;
+    assert!((49..=51).contains(&number), "{number} scans in 10 s");
+}

@@ -151,7 +151,7 @@ fn write_parquet(columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
     let field = |column: &Column| {
         let (physical, repetition, logical) = match &column.values {
             Values::Whole(_) => {
-                let unsigned = LogicalType::Integer { bit_width: 64, is_signed: false };
+                let unsigned = LogicalType::integer(64, false);
                 (Physical::INT64, Repetition::REQUIRED, Some(unsigned))
             }
             Values::Real(_) => (Physical::DOUBLE, Repetition::OPTIONAL, None),
