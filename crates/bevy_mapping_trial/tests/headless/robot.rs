@@ -342,7 +342,7 @@ fn a_robot_that_is_put_elsewhere_turns_no_wheels() {
     assert!((0.5..1.5).contains(&driven), "{driven}");
     assert!((measured - driven).abs() < 1e-3 && turn.abs() < 1e-3, "{measured} for {driven}");
     // So does one whose parent is moved.
-    let parent = app.world_mut().spawn((Transform::default(), Visibility::default())).id();
+    let parent = app.world_mut().spawn(Transform::default()).id();
     app.world_mut().entity_mut(robot).insert(ChildOf(parent));
     drive(&mut app, robot, 0.0, 0.0, 2.0);
     app.world_mut().get_mut::<Transform>(parent).unwrap().translation.x -= 10.0;
