@@ -150,23 +150,24 @@ fn no_wall_is_driven_through() {
 fn a_laser_sees_what_is_there_and_no_sensor() {
     let mut app = app(room(10.0, 10.0));
     let robot = robot(&mut app, 3.0, 5.0);
+    // A scan in each tick, of three or four steps.
     let free = 10.0 - 3.0 - 0.21;
     assert!((ahead(&app, robot) - free).abs() < 0.011, "{}", ahead(&app, robot));
     let at = Transform::from_xyz(5.0, 5.0, 0.0);
     let ghost = app.world_mut().spawn((at, Collider::ball(0.5), Sensor)).id();
-    step(&mut app, 2);
+    step(&mut app, 5);
     assert!((ahead(&app, robot) - free).abs() < 0.011);
     app.world_mut().despawn(ghost);
     let person = app.world_mut().spawn((at, Collider::ball(0.5), RigidBody::Fixed)).id();
-    step(&mut app, 2);
+    step(&mut app, 5);
     assert!((ahead(&app, robot) - (2.0 - 0.21 - 0.5)).abs() < 0.011, "{}", ahead(&app, robot));
     app.world_mut().despawn(person);
     let other = app.world_mut().spawn((RobotModel::default(), at)).id();
-    step(&mut app, 2);
+    step(&mut app, 5);
     assert!((ahead(&app, robot) - (2.0 - 0.21 - 0.254)).abs() < 0.011);
     let before = in_rapier(&mut app);
     app.world_mut().despawn(other);
-    step(&mut app, 2);
+    step(&mut app, 5);
     assert_eq!(in_rapier(&mut app), (before.0 - 1, before.1 - 1));
     assert!((ahead(&app, robot) - free).abs() < 0.011);
 }
