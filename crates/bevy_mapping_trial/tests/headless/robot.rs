@@ -364,7 +364,7 @@ fn a_robot_that_is_taken_out_of_the_water_drives_again() {
     *app.world_mut().get_mut::<RobotCondition>(robot).unwrap() = RobotCondition::Operational;
     drive(&mut app, robot, 0.5, 0.0, 4.0);
     let x = position(&app, robot).x;
-    assert!(x > 11.0, "it stands at {x}");
+    assert!(x > 11.0, "it is at {x}");
 }
 
 #[test]
