@@ -11,7 +11,8 @@ pub(super) fn person_pose(frame: LocalFrame, person: &PersonState) -> Transform 
     frame.pose(person.position, libm::atan2(person.facing.y, person.facing.x))
 }
 
-/// The leaves of a door, and their poses in its frame. One that is in the wall has no length, and waits where it comes out.
+/// The leaves of a door, and their poses in its frame. One that is in the wall has no length, and waits where it comes
+/// out.
 pub(super) fn leaf_poses(
     frame: LocalFrame,
     door: &Transform,

@@ -81,8 +81,8 @@ impl MappingTrial {
         MappingTrial::of(Request::New(Box::new(settings)))
     }
 
-    /// Replays a log of engine [`ENGINE`](super::ENGINE); the environment's world must be the log's. To the last bit where
-    /// transform, origin and colliders are those of the environment that the log is from.
+    /// Replays a log of engine [`ENGINE`](super::ENGINE); the environment's world must be the log's. To the last bit
+    /// where transform, origin and colliders are those of the environment that the log is from.
     pub fn replay(log: TrialLog) -> Self {
         MappingTrial::of(Request::Replay(Box::new(log)))
     }

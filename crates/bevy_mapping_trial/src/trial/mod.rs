@@ -29,8 +29,8 @@
 //! # Replay
 //!
 //! A log of engine [`ENGINE`] replays to the last bit with the same build of the program, on the
-//! same kind of machine, in an environment with the same transform, origin and colliders; rapier's floating-point results
-//! differ between platforms. [`replay_headless`] has those of [`run_headless`]:
+//! same kind of machine, in an environment with the same transform, origin and colliders; rapier's floating-point
+//! results differ between platforms. [`replay_headless`] has those of [`run_headless`]:
 //! [`ColliderSettings::for_trials`](ForTrials::for_trials), and no transform.
 //!
 //! # Scenarios

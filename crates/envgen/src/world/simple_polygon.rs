@@ -7,8 +7,8 @@ use glam::DVec2;
 
 use crate::geometry::segments_cross;
 
-/// Whether no two sides of a polygon touch, but for neighbours at their common corner: a sweep over the sides that finds
-/// the first two that do (Shamos and Hoey, Geometric intersection problems, 1976,
+/// Whether no two sides of a polygon touch, but for neighbours at their common corner: a sweep over the sides that
+/// finds the first two that do (Shamos and Hoey, Geometric intersection problems, 1976,
 /// <https://doi.org/10.1109/SFCS.1976.16>).
 pub(super) fn is_simple(vertices: &[DVec2]) -> bool {
     let n = vertices.len();
