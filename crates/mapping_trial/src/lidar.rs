@@ -21,8 +21,8 @@ const MIXED_PIXEL_JUMP: f64 = 0.3;
 /// Turns exact ranges into what a laser measures: [`Laser`], or an error model of your own.
 ///
 /// Beams, field of view, greatest range and rate are those of the trial's [`LaserProfile`], whatever
-/// the sensor makes of them: [`NO_ECHO`] says that a beam is free up to the profile's range. One of your own is plugged in by
-/// [`TrialBuilder::laser`](crate::trial::TrialBuilder::laser).
+/// the sensor makes of them: [`NO_ECHO`] says that a beam is free up to the profile's range. One of your own is plugged
+/// in by [`TrialBuilder::laser`](crate::trial::TrialBuilder::laser).
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
