@@ -391,6 +391,10 @@ pub(crate) fn world_is_ready(
 /// The world cannot be spawned: the panel shows the error.
 pub(crate) fn world_has_failed(failed: On<EnvironmentFailed>, mut session: ResMut<Session>) {
     session.message = failed.error.to_string();
+    if session.phase == Phase::Running {
+        // Nothing was written: only an empty folder is removed.
+        std::fs::remove_dir(&session.folder).ok();
+    }
     session.phase = Phase::Setup;
 }
 

@@ -9,7 +9,7 @@ use envgen::glam::DVec2;
 use envgen::palette::{self, Srgb};
 use envgen::scenario::PERSON_RADIUS;
 
-use crate::environment::{Environment, GroundTruth};
+use crate::environment::{GroundTruth, SpawnedOrigin};
 use crate::scenario::ScenarioRun;
 use crate::visuals::color;
 
@@ -119,11 +119,11 @@ fn links(world: &EnvgenWorld) -> impl Iterator<Item = Link> + '_ {
 
 /// Draws lines between rooms that doorways join.
 fn draw_rooms(
-    worlds: Query<(&Environment, &GroundTruth, &GlobalTransform)>,
+    worlds: Query<(&SpawnedOrigin, &GroundTruth, &GlobalTransform)>,
     mut gizmos: Gizmos<EnvgenGizmos>,
 ) {
-    for (environment, truth, frame) in &worlds {
-        let place = |p: DVec2| environment.point_in_app(frame, p);
+    for (origin, truth, frame) in &worlds {
+        let place = |p: DVec2| origin.point_in_app(frame, p);
         for room in &truth.rooms {
             gizmos.circle_2d(place(room.shape.bounds().center()), NODE, color(ROOM));
         }
@@ -144,11 +144,11 @@ fn draw_rooms(
 
 /// Draws people, their paths, and leaves.
 fn draw_scenarios(
-    runs: Query<(&ScenarioRun, &Environment, &GlobalTransform)>,
+    runs: Query<(&ScenarioRun, &SpawnedOrigin, &GlobalTransform)>,
     mut gizmos: Gizmos<EnvgenGizmos>,
 ) {
-    for (run, environment, frame) in &runs {
-        let place = |p: DVec2| environment.point_in_app(frame, p);
+    for (run, origin, frame) in &runs {
+        let place = |p: DVec2| origin.point_in_app(frame, p);
         for person in run.state().people() {
             let at = place(person.position);
             gizmos.circle_2d(

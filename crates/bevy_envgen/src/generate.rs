@@ -375,6 +375,7 @@ pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands)
                 EnvironmentStats,
                 GroundTruth,
                 GenerationJob,
+                SpawnedOrigin,
                 SpawnedTiles,
                 Streaming,
             )>();

@@ -367,10 +367,11 @@ impl TileStreamer<'_> {
         // fast anchor.
         let left: Vec<TileKey> =
             self.spawned_tiles.tiles.keys().filter(|key| !is_wanted(key)).copied().collect();
-        if 4 * left.len() > wanted.len()
-            && let Some(&key) = left.first()
-        {
-            self.remove(key);
+        let many = left.len().saturating_sub(wanted.len() / 4);
+        for &key in left.iter().take(many) {
+            if !self.remove(key) {
+                break;
+            }
         }
 
         let mut waiting = 0;

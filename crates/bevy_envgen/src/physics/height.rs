@@ -49,10 +49,13 @@ pub(super) fn filter_contacts(
     }
 }
 
+/// What is no part and has another height.
+type Raised = (Changed<HeightRange>, Without<PartId>);
+
 /// The same for bodies whose height changes, and for the colliders below a body that has the height: rapier reads from
 /// colliders what to ask about. Parts stay as they are spawned.
 pub(super) fn filter_bodies(
-    raised: Query<(Entity, &HeightRange), (Changed<HeightRange>, Without<PartId>)>,
+    raised: Query<(Entity, &HeightRange), Raised>,
     added: Query<Entity, (Added<Collider>, Without<PartId>)>,
     heights: Query<&HeightRange>,
     parents: Query<&ChildOf>,

@@ -34,6 +34,9 @@ pub struct Sun;
 /// How deep the ground around a world is below its floors in metres.
 const BELOW: f64 = 0.04;
 
+/// The same of worlds without floors, whose trees and robots are on it.
+const BESIDE: f64 = 0.002;
+
 /// How far the ground reaches beyond the bounds, in metres and as a share of their size.
 const BEYOND: (f64, f64) = (80.0, 1.0);
 
@@ -155,8 +158,10 @@ fn spawn_stage(world: &mut World, stage: Entity, origin: DVec2, truth: Option<&E
     let mut draft = Draft::default();
     let corners = envgen::geometry::Shape::from_rect(bounds).corners();
     let corners: Vec<Vec2> = corners.iter().map(|p| (*p - origin).as_vec2()).collect();
-    // Also where it has no floors of its own: those of a world beside it lie over it.
-    draft.add_flat(&corners, -BELOW as f32, color);
+    let has_floors = truth.is_some_and(|truth| is_building(truth) || truth.raster.is_some());
+    // Without floors of its own, those of a world beside it lie over it.
+    let top = if has_floors { -BELOW } else { -BESIDE };
+    draft.add_flat(&corners, top as f32, color);
     // The light of buildings ends at their walls.
     let finish = if building.is_some() { Finish::Mark } else { Finish::Ground };
     if let Some(material) = material(world, finish) {

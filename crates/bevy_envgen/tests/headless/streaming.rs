@@ -316,18 +316,20 @@ fn nothing_is_reported_of_a_world_that_another_one_is_requested_in_place_of() {
 
 #[test]
 fn tiles_that_a_fast_anchor_leaves_behind_do_not_pile_up() {
-    let mut app = test_app();
-    app.insert_resource(StreamingBudget::Parts(1));
-    let environment = endless(0.0).with_pace(GenerationMode::Blocking);
-    let (root, anchor) = streamed(&mut app, environment, Vec2::ZERO, 40.0);
-    wait_until_ready(&mut app, root).unwrap();
-    let tiles = |app: &mut App| app.world_mut().query::<&Tile>().iter(app.world()).count();
-    let window = tiles(&mut app);
-    // A column of tiles ahead and one behind for each 12 m: more than a step for each frame.
-    for frame in 0..600 {
-        let at = Vec3::X * 12.0 * frame as f32;
-        app.world_mut().get_mut::<Transform>(anchor).unwrap().translation = at;
-        step(&mut app, 1);
-        assert!(tiles(&mut app) <= 2 * window, "{} tiles of {window}", tiles(&mut app));
+    // A column of seven tiles ahead and one behind for each 12 m: more than the budget of a frame.
+    for (budget, metres) in [(1, 12.0), (60, 36.0)] {
+        let mut app = test_app();
+        app.insert_resource(StreamingBudget::Parts(budget));
+        let environment = endless(0.0).with_pace(GenerationMode::Blocking);
+        let (root, anchor) = streamed(&mut app, environment, Vec2::ZERO, 40.0);
+        wait_until_ready(&mut app, root).unwrap();
+        let tiles = |app: &mut App| app.world_mut().query::<&Tile>().iter(app.world()).count();
+        let window = tiles(&mut app);
+        for frame in 0..400 {
+            let at = Vec3::X * metres * frame as f32;
+            app.world_mut().get_mut::<Transform>(anchor).unwrap().translation = at;
+            step(&mut app, 1);
+            assert!(tiles(&mut app) <= 2 * window, "{} tiles of {window}", tiles(&mut app));
+        }
     }
 }

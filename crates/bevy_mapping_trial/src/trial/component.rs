@@ -48,6 +48,8 @@ pub(super) enum State {
     Warming(Box<Run>),
     Running(Box<Run>),
     Over(Box<Run>),
+    /// The world has no end.
+    Endless,
     /// The trial cannot begin in this place; whether time steps and scale suited it.
     Failed {
         place: Place,
@@ -112,9 +114,9 @@ impl MappingTrial {
         matches!(self.state, State::Over(_))
     }
 
-    /// Whether it cannot begin in the current world: see [`TrialFailed`](super::TrialFailed).
+    /// Whether it cannot begin, or continue, in the current world: see [`TrialFailed`](super::TrialFailed).
     pub fn has_failed(&self) -> bool {
-        matches!(self.state, State::Failed { .. })
+        matches!(self.state, State::Failed { .. } | State::Endless)
     }
 
     /// Ends the trial in the next tick, for every robot that is still driving.
@@ -127,7 +129,7 @@ impl MappingTrial {
     fn run(&self) -> Option<&Run> {
         match &self.state {
             State::Warming(run) | State::Running(run) | State::Over(run) => Some(run),
-            State::Waiting | State::Failed { .. } => None,
+            State::Waiting | State::Failed { .. } | State::Endless => None,
         }
     }
 

@@ -18,7 +18,7 @@ pub struct TrialEnded {
     pub entity: Entity,
 }
 
-/// Triggered on an environment when its trial cannot begin.
+/// Triggered on an environment when its trial cannot begin, or cannot continue since the environment is scaled.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TrialFailed {
     /// The environment.

@@ -61,7 +61,7 @@ pub(super) fn begin(
         };
         let suits = check(&fixed, rapier.as_deref(), transform);
         let stays = match &trial.state {
-            State::Waiting => false,
+            State::Waiting | State::Endless => false,
             // What did not suit it may have been corrected.
             State::Failed { place: known, suited } => {
                 known.is(&place) && (*suited || suits.is_err())
@@ -71,6 +71,7 @@ pub(super) fn begin(
                 let scale = check_scale(transform).err().filter(|_| run.place.is(&place));
                 if let Some(error) = scale {
                     log::warn!("trial in environment {entity}: {error}");
+                    release(moving.as_deref_mut());
                     dismiss(trial.robots(), &mut commands);
                     trial.state = State::Failed { place, suited: false };
                     commands.trigger(TrialFailed { entity, error });
@@ -118,10 +119,7 @@ pub(super) fn begin(
             }
             Err(error) => {
                 log::warn!("trial in environment {entity}: {error}");
-                if let Some(moving) = &mut moving {
-                    moving.set_paused(false);
-                    moving.set_ignores_commands(false);
-                }
+                release(moving.as_deref_mut());
                 trial.state = State::Failed { place, suited };
                 commands.trigger(TrialFailed { entity, error });
             }
@@ -129,16 +127,27 @@ pub(super) fn begin(
     }
 }
 
-/// Reports trials in worlds without an end.
+/// Reports trials that wait in worlds without an end.
 pub(super) fn refuse_endless(
-    trials: Query<Entity, (With<EndlessTruth>, Or<(Added<EndlessTruth>, Added<MappingTrial>)>)>,
-    asked: Query<(), With<MappingTrial>>,
+    mut trials: Query<(Entity, &mut MappingTrial), With<EndlessTruth>>,
     mut commands: Commands,
 ) {
-    for entity in trials.iter().filter(|&entity| asked.contains(entity)) {
+    for (entity, mut trial) in &mut trials {
+        if !matches!(trial.state, State::Waiting) {
+            continue;
+        }
+        trial.state = State::Endless;
         let error = MappingTrialError::Endless;
         log::warn!("trial in environment {entity}: {error}");
         commands.trigger(TrialFailed { entity, error });
+    }
+}
+
+/// Lets a scenario go on that a trial held.
+fn release(moving: Option<&mut ScenarioRun>) {
+    if let Some(moving) = moving {
+        moving.set_paused(false);
+        moving.set_ignores_commands(false);
     }
 }
 

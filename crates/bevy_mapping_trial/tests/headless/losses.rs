@@ -118,7 +118,15 @@ fn a_trial_in_a_world_without_an_end_is_refused() {
     let anchor = app.world_mut().spawn(Transform::default()).id();
     let forest = Environment::new(ForestSpec { intensity: 0.01, ..default() }, 1).endless(30.0);
     let around = StreamAround::new(anchor, 30.0);
-    app.world_mut().spawn((forest, around, MappingTrial::new(short(60.0))));
+    let root = app.world_mut().spawn((forest, around, MappingTrial::new(short(60.0)))).id();
     step(&mut app, 60);
     assert!(reported(&app).len() == 1 && reported(&app)[0].contains("endless"));
+    assert!(trial(&app, root).has_failed());
+    // So is another one; and it begins where there is an end.
+    app.world_mut().entity_mut(root).insert(MappingTrial::new(short(60.0)));
+    step(&mut app, 20);
+    assert_eq!(reported(&app).len(), 2);
+    app.world_mut().entity_mut(root).remove::<StreamAround>().insert(environment());
+    step(&mut app, 40);
+    assert_eq!(reported(&app)[2..], ["started"]);
 }

@@ -273,7 +273,8 @@ impl SurveyFolder {
 
     /// Runs the first and the last finished trial again.
     fn check_code(&self) -> Result<(), ExperimentError> {
-        let (first, last) = (self.records.values().next(), self.records.values().next_back());
+        let mut finished = self.records.values();
+        let (first, last) = (finished.next(), finished.next_back());
         first.into_iter().chain(last).try_for_each(|known| self.check_trial(known))
     }
 
