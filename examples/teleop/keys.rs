@@ -39,27 +39,12 @@ pub(crate) fn steer(
     manual.set_if_neq(ManualControl { commands: (0..robots).map(command_of).collect() });
 }
 
-/// Keys with a single action.
-pub(crate) fn act(
-    mut session: ResMut<Session>,
+/// Keys that bring the view nearer or farther.
+pub(crate) fn zoom(
     keys: Res<ButtonInput<KeyCode>>,
     letters: Res<ButtonInput<Key>>,
-    pads: Query<&Gamepad>,
-    mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
-    worlds: Query<&GroundTruth>,
     mut cameras: Query<&mut FollowRobot>,
-    mut commands: Commands,
 ) {
-    let pressed = |codes: &[KeyCode], button| {
-        keys.any_just_pressed(codes.iter().copied())
-            || pads.iter().any(|pad| pad.just_pressed(button))
-    };
-    let begin = pressed(&[KeyCode::Enter, KeyCode::NumpadEnter], GamepadButton::Start);
-    if begin && session.phase == Phase::Setup {
-        let spawned = worlds.get(session.world).ok();
-        session.begin(spawned, &mut commands);
-        return;
-    }
     // By what they type: + and - are elsewhere on other keyboards.
     let typed = |texts: &[&str]| {
         let mut pressed = letters.get_just_pressed();
@@ -72,6 +57,27 @@ pub(crate) fn act(
             let factor = if nearer { 1.0 / ZOOM_STEP } else { ZOOM_STEP };
             camera.height = (camera.height * factor).clamp(ZOOM.0, ZOOM.1);
         }
+    }
+}
+
+/// Keys with a single action.
+pub(crate) fn act(
+    mut session: ResMut<Session>,
+    keys: Res<ButtonInput<KeyCode>>,
+    pads: Query<&Gamepad>,
+    mut trials: Query<(&mut MappingTrial, &mut TrialView, &GroundTruth)>,
+    worlds: Query<&GroundTruth>,
+    mut commands: Commands,
+) {
+    let pressed = |codes: &[KeyCode], button| {
+        keys.any_just_pressed(codes.iter().copied())
+            || pads.iter().any(|pad| pad.just_pressed(button))
+    };
+    let begin = pressed(&[KeyCode::Enter, KeyCode::NumpadEnter], GamepadButton::Start);
+    if begin && session.phase == Phase::Setup {
+        let spawned = worlds.get(session.world).ok();
+        session.begin(spawned, &mut commands);
+        return;
     }
     if session.phase != Phase::Running {
         return;

@@ -121,7 +121,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         .add_systems(
             Update,
             (
-                keys::act.run_if(not(egui_wants_any_keyboard_input)),
+                (keys::zoom, keys::act).run_if(not(egui_wants_any_keyboard_input)),
                 cameras::follow_driven,
                 cameras::fit,
                 session::poll,
