@@ -32,8 +32,13 @@ fn every_piece_is_a_prim() {
         let found: Vec<&str> = found.iter().map(|name| name.as_str()).collect();
         let all = pieces(&world);
         let names = ["start", "goal"].map(str::to_owned).into_iter();
-        let names: Vec<String> = names.chain(all.iter().map(ToString::to_string)).collect();
+        let names = names.chain(all.iter().map(ToString::to_string));
+        let names: Vec<String> = names.chain(["floor_plane".to_owned()]).collect();
         assert_eq!(found, names);
+        // What robots drive on collides, and is not drawn.
+        assert!(field("/World/floor_plane", "apiSchemas").is_some());
+        let purpose = field("/World/floor_plane.purpose", "default");
+        assert_eq!(purpose, Some(Value::Token("guide".into())));
         let provenance = serde_json::to_string(&world.provenance).unwrap();
         let stated = field("/World.userProperties:provenance", "default");
         assert_eq!(stated, Some(Value::String(provenance)));
