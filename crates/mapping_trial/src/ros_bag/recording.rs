@@ -40,8 +40,8 @@ pub(super) struct Recording<W> {
     robots: Vec<Robot>,
     /// The time of the last clock; `None` before it.
     now: Option<u64>,
-    /// The time of the last map; `None` before it.
-    drawn: Option<u64>,
+    /// The time and the revision of the last map; `None` before it.
+    drawn: Option<(u64, u64)>,
 }
 
 /// Topics and frames of a robot, and where its wheels take it to be.
@@ -137,7 +137,7 @@ impl<W: Write> Recording<W> {
             self.out.message(self.clock, stamp, self.cdr.bytes())?;
         }
         self.add_poses(moment, stamp, motion)?;
-        if self.drawn.is_none_or(|drawn| stamp >= drawn + MAP_PERIOD) {
+        if self.drawn.is_none_or(|(drawn, _)| stamp >= drawn + MAP_PERIOD) {
             self.add_map(stamp, moment.slam.map())?;
         }
         Ok(())
@@ -168,12 +168,13 @@ impl<W: Write> Recording<W> {
         Ok(())
     }
 
-    /// Writes the map at a time, unless that was done.
+    /// Writes the map at a time, unless that was done: of several robots, others may have changed it since.
     pub(super) fn add_map(&mut self, stamp: u64, map: &OccupancyMap) -> Result<(), BagError> {
-        if self.drawn == Some(stamp) {
+        let drawn = Some((stamp, map.revision()));
+        if self.drawn == drawn {
             return Ok(());
         }
-        self.drawn = Some(stamp);
+        self.drawn = drawn;
         let map = map.to_ros_map()?;
         let cells = map.cells.iter().map(|cell| match cell {
             RosCell::Unknown => -1,

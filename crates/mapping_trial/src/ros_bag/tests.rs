@@ -44,6 +44,45 @@ fn trial(robots: u32) -> Recorded {
     })
 }
 
+/// Checks that the last map of a bag is that of its trial.
+fn assert_last_map(found: &[Found], trial: &Trial<FlatSimulator>) {
+    let maps = of(found, "/map");
+    let mut reader = Reader::new(maps[maps.len() - 1]);
+    let (time, frame) = reader.header();
+    assert_eq!((reader.time(), frame.as_str()), (time, "map"));
+    let expected = trial.autonomy().slam().map().to_ros_map().unwrap();
+    assert_eq!(reader.f32(), 0.05);
+    let (cols, rows) = (reader.u32() as usize, reader.u32() as usize);
+    assert_eq!((cols, rows), (expected.cols, expected.rows()));
+    assert!(near(reader.pose().0, expected.origin));
+    assert_eq!(reader.u32() as usize, cols * rows);
+    for cell in &expected.cells {
+        use envgen::export::ros_map::RosCell;
+        let found = i8::from_le_bytes(reader.take(1));
+        let expected = match cell {
+            RosCell::Unknown => -1,
+            RosCell::Free => 0,
+            RosCell::Occupied => 100,
+        };
+        assert_eq!(found, expected);
+    }
+    reader.end();
+}
+
+/// The last tick is one of a map, which the first robot's part draws before the others have seen anything in it.
+#[test]
+fn the_last_map_is_that_of_all_robots() {
+    for robots in [1, 2, 3] {
+        let recorded = record(|world, parts| {
+            let settings = TrialSettings { time_limit: 60.0, ..settings(robots) };
+            let mut trial = TrialBuilder::new(world, settings).parts(parts).build_flat().unwrap();
+            while trial.step() {}
+            trial
+        });
+        assert_last_map(&read(&recorded.bytes).messages, &recorded.trial);
+    }
+}
+
 #[test]
 fn twenty_minutes_fit_into_8_mb() {
     for seed in [Seed(2), Seed(3)] {
@@ -207,26 +246,7 @@ fn each_message_is_what_the_trial_had() {
     let times: Vec<u64> = maps.iter().map(|map| map.time / 1_000_000_000).collect();
     assert_eq!((times.len(), times[0]), (2, 0));
     assert_eq!(maps[maps.len() - 1].time, nanoseconds(trial.time()));
-    let mut reader = Reader::new(maps[maps.len() - 1]);
-    let (time, frame) = reader.header();
-    assert_eq!((reader.time(), frame.as_str()), (time, "map"));
-    let expected = trial.autonomy().slam().map().to_ros_map().unwrap();
-    assert_eq!(reader.f32(), 0.05);
-    let (cols, rows) = (reader.u32() as usize, reader.u32() as usize);
-    assert_eq!((cols, rows), (expected.cols, expected.rows()));
-    assert!(near(reader.pose().0, expected.origin));
-    assert_eq!(reader.u32() as usize, cols * rows);
-    for cell in &expected.cells {
-        use envgen::export::ros_map::RosCell;
-        let found = i8::from_le_bytes(reader.take(1));
-        let expected = match cell {
-            RosCell::Unknown => -1,
-            RosCell::Free => 0,
-            RosCell::Occupied => 100,
-        };
-        assert_eq!(found, expected);
-    }
-    reader.end();
+    assert_last_map(&found, &trial);
 
     // What the bag says of itself.
     assert_eq!(bag.messages(), found.len() as u64);
