@@ -93,7 +93,7 @@ impl SpecForm {
         self.check();
     }
 
-    /// The seed; while its text is none, the last one.
+    /// The seed; while the text is not a number, the last one.
     pub fn seed(&self) -> Seed {
         self.seed
     }

@@ -40,7 +40,7 @@ pub enum MeasureError {
     },
     /// Trials fail in all easy or in all hard anchors.
     #[error(
-        "a scale needs {anchors} anchors that every condition of the panel can map, and there is none"
+        "no {anchors} anchor can be mapped under every condition of the panel, and a scale needs one"
     )]
     NoAnchors {
         /// Easy or hard.
