@@ -126,7 +126,7 @@ impl SpecForm {
     ///
     /// # Errors
     /// The first setting that is out of range, or out of reach, with its value and the allowed range; a seed that is
-    /// none.
+    /// not a number.
     pub fn request(&self) -> Result<(WorldSpec, Seed), SettingsError> {
         let mut spec = self.kind.default_spec();
         for draft in self.texts.get(&self.kind).into_iter().flatten() {
