@@ -34,8 +34,8 @@ const CELL: f64 = 0.1;
 /// The most cells of that grid, about.
 const MOST_CELLS: f64 = 1e6;
 
-/// How many points of a path the next turn is looked for beyond the last one: in corridors of kilometres all would take
-/// hours.
+/// How many points of a path the next turn is looked for beyond the last one: over all, the work would grow with the
+/// square of a corridor's length.
 const LOOK_AHEAD: usize = 500;
 
 /// Writes the plan of a world.

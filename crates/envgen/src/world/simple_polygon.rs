@@ -188,7 +188,7 @@ mod tests {
         corners
     }
 
-    /// All pairs would take hours.
+    /// All pairs are 8e10.
     #[test]
     fn large_combs_are_judged_at_once() {
         for heading in [0.0, 1.0, std::f64::consts::FRAC_PI_2, 2.5] {
