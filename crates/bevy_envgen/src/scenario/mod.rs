@@ -1,8 +1,8 @@
 //! Doors, people and smoke in environments: the scenarios of [`envgen::scenario`] as entities.
 //!
 //! Put an [`EnvironmentScenario`] on the entity of an [`Environment`](crate::Environment), when it is spawned or
-//! later. Doors, people and smoke become its children, and move in steps of 1/20 s of the schedule's time, the same
-//! at every frame rate. Entities with a [`ScenarioAgent`] open doors, and people avoid them.
+//! later. Doors, people and smoke become its children, and decide every 1/20 s of the schedule's time, the same at every
+//! frame rate; between, people and leaves move evenly. Entities with a [`ScenarioAgent`] open doors, and people avoid them.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -31,8 +31,7 @@
 //!   Smoke           PartOf
 //! ```
 //!
-//! With the feature `physics` people and leaves are kinematic bodies. They are where the state had them after the
-//! step before: rapier moves them while it moves the others. A leaf stops at an agent, and pushes other bodies.
+//! With the feature `physics` people and leaves are kinematic bodies. They are where they came in the step before: rapier moves them while it moves the others. A leaf stops at an agent, and pushes other bodies.
 
 mod agent;
 #[cfg(feature = "physics")]

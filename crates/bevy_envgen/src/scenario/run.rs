@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use envgen::SpecError;
 use envgen::glam::DVec2;
-use envgen::scenario::{DoorCommand, Scenario, ScenarioState};
+use envgen::scenario::{DoorCommand, Robot, Scenario, ScenarioState, TICKS_PER_SECOND};
 
 use super::part::{Door, Person, Smoke};
 use super::pose::{leaf_poses, person_pose};
@@ -19,6 +19,9 @@ use crate::part::PartOf;
 use crate::place::{check_transform, global_transform};
 use crate::shape::LocalFrame;
 
+/// A share of a tick below which everything is where the tick had it: rounding adds less in steps of whole ticks.
+const WHOLE: f64 = 1e-3;
+
 /// The running scenario of an environment, on its entity. It is not reflected, so scenes do not hold it: it begins
 /// again.
 #[derive(Component, Debug)]
@@ -28,6 +31,11 @@ pub struct ScenarioRun {
     /// The origin of the world that it runs in.
     pub(super) origin: DVec2,
     pub(super) state: ScenarioState,
+    /// The state after the next tick, as it will be unless something of the app gets in the way. Known while the schedule's
+    /// steps are not whole ticks.
+    ahead: Option<ScenarioState>,
+    /// Where everything is between two ticks.
+    between: Option<ScenarioState>,
     pub(super) switches: Switches,
     pub(super) people: Vec<Entity>,
     pub(super) doors: Vec<DoorEntity>,
@@ -56,9 +64,42 @@ impl ScenarioRun {
         &self.scenario
     }
 
-    /// Where everything is now, in the frame of the world: rays, clearances, contacts and smoke.
+    /// The state after the last tick of 1/20 s, in the frame of the world.
     pub fn state(&self) -> &ScenarioState {
         &self.state
+    }
+
+    /// Where everything is now, in the frame of the world: rays, clearances, contacts and smoke. Between two ticks people
+    /// and leaves, as entities and here, move evenly to where the next tick is expected to have them. What an agent or
+    /// a command changes in that tick is so only from then on.
+    pub fn now(&self) -> &ScenarioState {
+        self.between.as_ref().unwrap_or(&self.state)
+    }
+
+    /// Moves everything by `dt` seconds among robots; whether there was a tick.
+    pub(super) fn advance(&mut self, dt: f64, robots: &[Robot]) -> Result<bool, SpecError> {
+        let before = self.state.tick();
+        self.state.step(dt, robots)?;
+        let has_ticked = self.state.tick() != before;
+        if has_ticked {
+            self.ahead = None;
+        }
+        let ticks = TICKS_PER_SECOND as f64;
+        let share = self.state.time() * ticks - self.state.tick() as f64;
+        self.between = None;
+        if share > WHOLE {
+            let ahead = match self.ahead.take() {
+                Some(ahead) => ahead,
+                None => {
+                    let mut ahead = self.state.clone();
+                    ahead.step(1.0 / ticks, robots)?;
+                    ahead
+                }
+            };
+            self.between = Some(self.state.interpolated(&ahead, share));
+            self.ahead = Some(ahead);
+        }
+        Ok(has_ticked)
     }
 
     /// The entities of the people, in the order of the scenario.
@@ -85,7 +126,7 @@ impl ScenarioRun {
         if self.switches.ignores_commands && door < self.doors.len() {
             return Ok(());
         }
-        self.state.command_door(door, command)
+        self.replay_door(door, command)
     }
 
     /// Gives a door a command of a log, also while those of programs are ignored.
@@ -93,6 +134,7 @@ impl ScenarioRun {
     /// # Errors
     /// When there is no such door.
     pub fn replay_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
+        self.ahead = None;
         self.state.command_door(door, command)
     }
 
@@ -266,5 +308,15 @@ fn spawn(
         world.spawn((part, name, at, global.mul_transform(at), belongs.clone())).id()
     });
     let smoke = smoke.collect();
-    ScenarioRun { scenario, origin, state, switches: Switches::default(), people, doors, smoke }
+    ScenarioRun {
+        scenario,
+        origin,
+        state,
+        ahead: None,
+        between: None,
+        switches: Switches::default(),
+        people,
+        doors,
+        smoke,
+    }
 }

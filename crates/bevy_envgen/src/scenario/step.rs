@@ -22,32 +22,28 @@ pub(super) fn step(
         if run.is_paused() {
             continue;
         }
-        let ScenarioRun { origin, state, doors: known, switches, .. } =
-            run.bypass_change_detection();
-        for (index, known) in known.iter().enumerate() {
-            let command = doors.get(known.door).ok().and_then(|door| door.command);
-            if let (Some(command), Ok(mut door)) = (command, doors.get_mut(known.door)) {
+        let known = run.bypass_change_detection();
+        for index in 0..known.doors.len() {
+            let entity = known.doors[index].door;
+            let command = doors.get(entity).ok().and_then(|door| door.command);
+            if let (Some(command), Ok(mut door)) = (command, doors.get_mut(entity)) {
                 door.command = None;
-                if !switches.ignores_commands {
-                    // There is such a door.
-                    state.command_door(index, command).ok();
-                }
+                // There is such a door.
+                known.command_door(index, command).ok();
             }
         }
         let affine = global.affine().as_daffine3().inverse();
-        let robots = agents.iter().filter_map(|agent| agent.robot(&affine, *origin));
+        let robots = agents.iter().filter_map(|agent| agent.robot(&affine, known.origin));
         let mut robots: Vec<_> = robots.collect();
         // The order of entities depends on what an app did before.
         robots.sort_by(|a, b| {
             let (p, q) = (a.position, b.position);
             p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y))
         });
-        let before = state.tick();
-        if let Err(error) = state.step(time.delta_secs_f64(), &robots) {
-            log::warn!("scenario of environment {entity}: {error}");
-        }
-        if state.tick() != before {
-            run.set_changed();
+        match known.advance(time.delta_secs_f64(), &robots) {
+            Ok(true) => run.set_changed(),
+            Ok(false) => {}
+            Err(error) => log::warn!("scenario of environment {entity}: {error}"),
         }
     }
 }
@@ -55,7 +51,7 @@ pub(super) fn step(
 /// A person that is placed.
 type Placed = (&'static mut Person, &'static mut Transform, &'static mut GlobalTransform);
 
-/// Places people and smoke where the state has them. Physics may have moved them since.
+/// Places people and smoke where they are now. Physics may have moved them since.
 pub(super) fn place(
     runs: Query<(&ScenarioRun, &GlobalTransform)>,
     mut people: Query<Placed, Without<ScenarioRun>>,
@@ -65,7 +61,7 @@ pub(super) fn place(
 ) {
     for (run, global) in &runs {
         let frame = LocalFrame::new(run.origin);
-        for (&entity, now) in run.people.iter().zip(run.state.people()) {
+        for (&entity, now) in run.people.iter().zip(run.now().people()) {
             let Ok((mut person, mut at, mut above)) = people.get_mut(entity) else { continue };
             let place = person_pose(frame, now);
             at.set_if_neq(place);
@@ -91,7 +87,7 @@ pub(super) fn place(
 /// A leaf that is placed.
 type PlacedLeaf = (&'static mut DoorLeaf, &'static mut Transform, &'static mut GlobalTransform);
 
-/// Places leaves where the state has them, and reports what doors did.
+/// Places leaves where they are now, and reports what doors did.
 pub(super) fn place_leaves(
     runs: Query<(&ScenarioRun, &GlobalTransform)>,
     mut doors: Query<&mut Door>,
@@ -118,7 +114,7 @@ pub(super) fn place_leaves(
             let next =
                 Door { openness: now.openness, opens: now.opens, stopped: now.stopped, ..*door };
             door.set_if_neq(next);
-            let there = leaf_poses(frame, &known.at, &run.state, index);
+            let there = leaf_poses(frame, &known.at, run.now(), index);
             for (&entity, (now, place)) in known.leaves.iter().zip(there) {
                 let Ok((mut leaf, mut at, mut above)) = leaves.get_mut(entity) else { continue };
                 leaf.set_if_neq(now);

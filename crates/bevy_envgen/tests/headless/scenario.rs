@@ -70,8 +70,12 @@ fn everything_is_where_the_scenario_has_it_step_by_step() {
         step(&mut app, 1);
         alone.step(1.0 / 64.0, &[]).unwrap();
         assert_eq!(state(&app, root).tick(), alone.tick());
+        let mut next = alone.clone();
+        next.step(0.05, &[]).unwrap();
+        let now = alone.interpolated(&next, 20.0 * alone.time() - alone.tick() as f64);
         let run = app.world().get::<ScenarioRun>(root).unwrap();
-        for (&entity, person) in run.people().iter().zip(alone.people()) {
+        assert_eq!(run.now().digest(), now.digest());
+        for (&entity, person) in run.people().iter().zip(now.people()) {
             let at = app.world().get::<Transform>(entity).unwrap();
             assert_eq!(at.translation.truncate(), person.position.as_vec2());
             let facing = (at.rotation * Vec3::X).truncate();
@@ -82,7 +86,7 @@ fn everything_is_where_the_scenario_has_it_step_by_step() {
             let door = app.world().get::<Door>(entity).unwrap();
             assert_eq!(door.openness(), alone.doors()[index].openness);
             let leaves = app.world().get::<Children>(entity).unwrap();
-            for (leaf, there) in leaves.iter().zip(alone.leaves(index)) {
+            for (leaf, there) in leaves.iter().zip(now.leaves(index)) {
                 let frame = app.world().get::<GlobalTransform>(leaf).unwrap();
                 let length = app.world().get::<DoorLeaf>(leaf).unwrap().length;
                 let tip = frame.transform_point(Vec3::X * length).truncate();
@@ -251,7 +255,7 @@ fn an_environment_that_is_moved_turned_and_resized_takes_them_along() {
     step(&mut app, 200);
     let run = app.world().get::<ScenarioRun>(root).unwrap();
     let frame = *app.world().get::<GlobalTransform>(root).unwrap();
-    for (&entity, person) in run.people().iter().zip(run.state().people()) {
+    for (&entity, person) in run.people().iter().zip(run.now().people()) {
         let there = app.world().get::<GlobalTransform>(entity).unwrap().translation().truncate();
         let expected = environment.point_in_app(&frame, person.position);
         assert!(there.distance(expected) < 1e-3, "{there} {expected}");

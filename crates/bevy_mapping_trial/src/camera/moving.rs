@@ -58,7 +58,7 @@ impl Movers<'_, '_> {
         let mut all = Triangles::default();
         if let Some(run) = run {
             let is_drawn = self.add_drawn_scenario(run, names, frame, &mut all);
-            for (target, form) in run.state().bodies(world) {
+            for (target, form) in run.now().bodies(world) {
                 let is_shown = match target {
                     Target::Leaf(_) => is_drawn[0],
                     _ => is_drawn[1],

@@ -47,7 +47,7 @@ impl Scenarios<'_, '_> {
                 max_range: rays.max_range * scale,
             };
             ranges.iter_mut().for_each(|range| *range *= scale);
-            zero.extend(sight.look(run.state(), (robot, tick), &rays, ranges));
+            zero.extend(sight.look(run.now(), (robot, tick), &rays, ranges));
             ranges.iter_mut().for_each(|range| *range /= scale);
         }
         zero

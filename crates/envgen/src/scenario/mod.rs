@@ -32,6 +32,7 @@
 mod access;
 mod bodies;
 mod doors;
+mod interpolation;
 mod neighbourhood;
 mod people;
 mod person;
