@@ -54,6 +54,31 @@ fn an_empty_room_measures_near_0_and_as_the_library_does() {
 }
 
 #[test]
+fn bad_arguments_end_with_2_and_bad_worlds_with_1() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let room = HallwaySpec { segments: 1, ..Default::default() };
+    let world = room.generate(Seed(0)).expect("a room").to_world();
+    std::fs::write(folder.path().join("room.ron"), world.to_ron().expect("RON")).expect("a file");
+    std::fs::write(folder.path().join("bad.ron"), "(").expect("a file");
+    let code = |world: &str, options: &[&str]| {
+        let arguments = [&["measure", world][..], options].concat();
+        run(folder.path(), &arguments).status.code()
+    };
+    for options in [
+        ["--panel", "bad.ron"],
+        ["--panel", "missing.ron"],
+        ["--robot", "bad.ron"],
+        ["--laser", "lidar"],
+        ["--driver", ""],
+    ] {
+        assert_eq!(code("room.ron", &options), Some(2), "{options:?}");
+    }
+    assert_eq!(code("room.zip", &[]), Some(2));
+    assert_eq!(code("bad.ron", &[]), Some(1));
+    assert_eq!(code("missing.ron", &[]), Some(1));
+}
+
+#[test]
 fn a_world_without_a_start_gets_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let room = HallwaySpec { segments: 1, pitch: 6.1, width: 6.0, ..Default::default() };

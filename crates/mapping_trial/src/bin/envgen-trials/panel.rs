@@ -18,6 +18,7 @@ use mapping_trial::robot::Robot;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 
 use crate::survey;
+use crate::usage::Usage;
 use crate::warning::warn;
 
 /// Options that replace parts of the panel.
@@ -71,7 +72,11 @@ impl PanelOptions {
     }
 
     /// The panel.
-    pub(crate) fn panel(&self) -> Result<Panel, Box<dyn Error>> {
+    pub(crate) fn panel(&self) -> Result<Panel, Usage> {
+        self.changed_panel().map_err(|error| Usage(error.to_string()))
+    }
+
+    fn changed_panel(&self) -> Result<Panel, Box<dyn Error>> {
         let mut panel = match &self.panel {
             None => Panel::reference(),
             Some(path) => {

@@ -3,6 +3,7 @@
 use std::error::Error;
 
 use envgen::export::OutputError;
+use envgen::import::ImportError;
 use envgen::located::Located;
 use envgen::{SettingsError, SpecError};
 use thiserror::Error;
@@ -20,6 +21,9 @@ pub(crate) fn is_usage(error: &(dyn Error + 'static)) -> bool {
         || error.is::<Located<SpecError>>()
         || error.is::<Located<SettingsError>>()
         || error.is::<Located<OutputError>>()
+        || error
+            .downcast_ref()
+            .is_some_and(|Located { error, .. }| matches!(error, ImportError::UnknownEnding { .. }))
 }
 
 #[cfg(test)]
