@@ -183,7 +183,14 @@ pub(crate) fn read_text(input: &mut dyn Read) -> Result<String, FileError> {
 fn read_at_most(input: &mut dyn Read, limit: u64) -> Result<String, FileError> {
     let mut text = String::new();
     let read = input.take(limit + 1).read_to_string(&mut text)?;
-    if read as u64 > limit { Err(FileError::TooLong) } else { Ok(text) }
+    if read as u64 > limit {
+        return Err(FileError::TooLong);
+    }
+    // Some editors begin UTF-8 with a mark.
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
+    }
+    Ok(text)
 }
 
 /// Reads a binary file of at most [`MAX_FILE_BYTES`].

@@ -30,6 +30,11 @@ impl Ground {
     pub const PLAIN: Ground =
         Ground { speed: 1.0, odometry_noise: 1.0, wheel_bias: 0.0, water: false };
 
+    /// Whether robots cannot or must not enter it.
+    pub fn is_barrier(self) -> bool {
+        self.water || self.speed <= 0.0
+    }
+
     /// How far wheels roll, in metres, while a robot drives a distance.
     pub fn rolled(self, distance: f64) -> f64 {
         distance * (1.0 + self.wheel_bias)

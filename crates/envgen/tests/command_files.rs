@@ -226,6 +226,62 @@ fn a_full_disk_is_named() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn files_are_written_though_notes_cannot_be() {
+    let folder = Folder::new();
+    folder.notes(&format!("generate {TREES} --out a.json"));
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_envgen"))
+        .args("convert a.json --out a.yaml".split(' '))
+        .current_dir(folder.0.path())
+        .stderr(full)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert!(folder.path("a.pgm").exists());
+    let full = fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_envgen"))
+        .args(["generate", "desert", "--out", "b.json"])
+        .stderr(full)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn what_has_no_end_is_not_read() {
+    let folder = Folder::new();
+    fs::create_dir(folder.path("rooms")).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", folder.path("rooms/x.room.ron")).unwrap();
+    let text = folder.error("generate indoor --rooms rooms --out a.json", 2);
+    assert!(text.contains("x.room.ron: it is not a file"), "{text}");
+    // A description of a map that can be read only once is read once.
+    folder.notes(&format!("generate {TREES} --out a.yaml"));
+    let text = fs::read_to_string(folder.path("a.yaml")).unwrap();
+    std::os::unix::fs::symlink("/dev/stdin", folder.path("b.yaml")).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_envgen"))
+        .args("convert b.yaml --out b.json".split(' '))
+        .current_dir(folder.0.path())
+        .stdin(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::io::Write::write_all(&mut child.stdin.take().unwrap(), text.as_bytes()).unwrap();
+    assert!(child.wait().unwrap().success());
+    assert!(folder.path("b.json").exists());
+}
+
+#[test]
+fn maps_far_from_the_origin_are_read_back() {
+    let folder = Folder::new();
+    let square = "[[[15550000,4250000],[15550010,4250000],[15550010,4250010],[15550000,4250000]]]";
+    let geometry = format!(r#"{{"type": "Polygon", "coordinates": {square}}}"#);
+    folder.write("tokyo.geojson", &geometry);
+    folder.notes("convert tokyo.geojson --out tokyo.yaml");
+    folder.notes("convert tokyo.yaml --out back.json");
+}
+
+#[test]
 fn errors_name_the_file_or_the_option() {
     let folder = Folder::new();
     folder.write("bad.envgen.ron", "Forest(width: -5)");

@@ -36,6 +36,18 @@ fn least_distance(trees: &[Tree], torus: Option<DVec2>) -> f64 {
 }
 
 #[test]
+fn narrow_forests_have_a_cover_too() {
+    for (width, height) in [(1000.0, 1.9), (1.9, 1000.0), (20_000.0, 3.0)] {
+        let spec = ForestSpec { width, height, intensity: 0.2, radius: 0.3, ..Default::default() };
+        let covers: Vec<f64> = (0..20).map(|seed| generate(&spec, seed).metrics().cover).collect();
+        // Without the trunks whose middle is outside. The standard error of the mean is below 2 %.
+        let (found, expected) =
+            (mean(&covers), 1.0 - libm::exp(-0.2 * std::f64::consts::PI * 0.09));
+        assert!((0.6 * expected..1.1 * expected).contains(&found), "{found} of {expected}");
+    }
+}
+
+#[test]
 fn counts_are_poisson() {
     let spec = ForestSpec { width: 40.0, height: 25.0, ..Default::default() };
     let counts: Vec<f64> =

@@ -178,6 +178,31 @@ fn nothing_is_asked_of_the_properties_of_other_geojson() {
     );
     let world = read_geojson(&mut text.as_bytes()).unwrap();
     assert_eq!((world.obstacles.len(), world.walls.len()), (1, 0));
+    for radius in ["0", "-1", "6371000000", "1e300"] {
+        let text = text.replace("\"wide\"", radius);
+        let world = read_geojson(&mut text.as_bytes()).unwrap();
+        assert_eq!(world.obstacles.len(), 1, "{radius}");
+    }
+    // A mark at the beginning of the text, as some editors write it.
+    assert!(read_geojson(&mut format!("\u{feff}{text}").as_bytes()).is_ok());
+}
+
+#[test]
+fn a_start_that_is_looked_for_is_within_the_bounds() {
+    let feature = |geometry: &str, properties: &str| {
+        format!(r#"{{"type": "Feature", "properties": {properties}, "geometry": {geometry}}}"#)
+    };
+    let post = |x: f64| {
+        let point = format!(r#"{{"type": "Point", "coordinates": [{x}, 0]}}"#);
+        feature(&point, r#"{"radius": 0.01}"#)
+    };
+    let lines = r#"{"type": "MultiLineString",
+        "coordinates": [[[0,0],[90000,0.05]],[[110000,0],[200000,0.05]]]}"#;
+    for features in [format!("{}, {}", post(0.0), post(5.0)), feature(lines, "{}")] {
+        let text = format!(r#"{{"type": "FeatureCollection", "features": [{features}]}}"#);
+        let world = read_geojson(&mut text.as_bytes()).expect("a world");
+        assert_eq!(world.check(), Ok(()));
+    }
 }
 
 #[test]
@@ -285,6 +310,40 @@ fn free_ground_comes_back_from_houses() {
         }
         assert!(inside > 20, "{inside}");
     }
+}
+
+#[test]
+fn houses_whose_goal_is_outside_of_the_outline_come_back() {
+    // The ground of the start ends at x = 2 m.
+    let mut world = small();
+    world.walls.push(Wall::new(
+        WallKind::Wall,
+        Shape::from_rect(Rect::new(DVec2::new(2.0, 0.0), DVec2::new(2.25, 3.0))),
+    ));
+    let house = written(&world, "small.house.json");
+    let read = read_houseexpo(&mut house.as_bytes()).expect("a house");
+    assert_eq!((read.start, read.goal), (world.start, world.goal));
+    assert!(read.walls.iter().all(|wall| wall.shape.bounds().max.x < 2.1));
+}
+
+#[test]
+fn houses_of_wide_cells_are_those_of_the_start() {
+    // Two rooms; in the smaller one the start is near a wall.
+    let bounds = Rect::new(DVec2::ZERO, DVec2::new(10.0, 8.0));
+    let mut world = World::new(Provenance::other("manual", "rooms".into()), bounds);
+    for [x0, y0, x1, y1] in [[0.5, 0.5, 2.5, 2.5], [3.0, 0.5, 9.5, 7.5]] {
+        let corners = Shape::from_rect(Rect::new(DVec2::new(x0, y0), DVec2::new(x1, y1))).corners();
+        let sides = envgen::geometry::edges(&corners);
+        world.walls.extend(sides.map(|(a, b)| Wall::new(WallKind::Wall, Shape::Segment { a, b })));
+    }
+    world.start = Some(Pose::new(0.7, 1.5, 0.0));
+    let format = Format::from_path(Path::new("rooms.house.json")).unwrap();
+    let mut file = Vec::new();
+    format.write(&Job { resolution: Some(0.3), ..Job::new(&world) }, &mut file).unwrap();
+    let house: Value = serde_json::from_slice(&file).unwrap();
+    let widest = house["bbox"]["max"][0].as_f64().unwrap();
+    assert!(widest < 3.0, "{widest}");
+    assert!(read_houseexpo(&mut &file[..]).is_ok());
 }
 
 #[test]

@@ -10,6 +10,7 @@ use envgen::import::{
     ImportedRaster, read_class_png, read_scenarios, read_world_generator_library,
     read_world_generator_project, reader,
 };
+use envgen::indoor::world_generator::HALLWAY;
 use envgen::indoor::{Catalogue, IndoorSpec, room_from_ron};
 use envgen::scenario::{Scenario, ScenarioState};
 use envgen::{Blueprint, Seed, World, WorldKind, WorldSpec};
@@ -85,7 +86,8 @@ formats! {
     yaml "yaml" |file| text(file).is_some_and(|text| description(text, file));
     project_xml "xml" |file| project(file);
     library_xml "xml" |mut file| read_world_generator_library(&mut file).is_ok_and(|rooms| {
-        rooms.iter().all(|room| room.to_design().validate().is_ok())
+        let mut own = rooms.iter().filter(|room| room.name != HALLWAY);
+        own.all(|room| room.to_design().validate().is_ok())
     });
     geojson "geojson" |file| world("a.geojson", file);
     house_json "json" |file| world("a.json", file);

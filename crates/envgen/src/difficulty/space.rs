@@ -285,7 +285,7 @@ impl<'a> Finder<'a> {
             footprint,
             far: index(SIGHT_OF_SOLIDS.max(footprint))?,
             near: index(footprint + side)?,
-            grounds: has_bad_ground(world).then(|| SurfaceIndex::of(world, is_bad)),
+            grounds: has_bad_ground(world).then(|| SurfaceIndex::of(world, Ground::is_barrier)),
             reads: AtomicUsize::new(0),
         })
     }
@@ -372,7 +372,7 @@ impl<'a> Finder<'a> {
 
     /// Whether a robot can drive at a point.
     fn is_ground(&self, p: DVec2) -> bool {
-        let is_good = |grounds: &SurfaceIndex| !is_bad(grounds.at(p));
+        let is_good = |grounds: &SurfaceIndex| !grounds.at(p).is_barrier();
         self.world.bounds.contains(p) && self.grounds.as_ref().is_none_or(is_good)
     }
 
@@ -391,16 +391,11 @@ impl<'a> Finder<'a> {
     }
 }
 
-/// Whether no robot can drive on some ground.
-fn is_bad(ground: Ground) -> bool {
-    ground.speed <= 0.0 || ground.water
-}
-
 /// Whether there is ground that no robot can drive on.
 fn has_bad_ground(world: &World) -> bool {
     let raster = world.raster.as_ref();
     raster.is_some_and(|raster| raster.speeds.iter().any(|&speed| speed <= 0.0))
-        || world.surfaces.iter().map(Ground::from).any(is_bad)
+        || world.surfaces.iter().map(Ground::from).any(Ground::is_barrier)
 }
 
 /// The moves of each cell to its neighbours.

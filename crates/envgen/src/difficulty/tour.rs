@@ -55,10 +55,10 @@ features! {
         tour_seen_after_350_m_share: f64, "";
         /// Number of unseen places that the robot sets out for.
         tour_goals: u64, "";
-        /// Number of goals after which it turns around (by over 135 degrees) and drives back, for 1 m or
+        /// Number of goals after which it turns around (by over 135 degrees) onto a path that leads back, for 1 m or
         /// more, over ground that it has driven on.
         tour_dead_ends: u64, "";
-        /// Mean of the distances that it drives back; none without dead end.
+        /// Mean length of these parts of paths, which it may leave before their end; none without dead end.
         tour_dead_end_depth_mean_m: Option<f64>, "m";
         /// Greatest of them.
         tour_dead_end_depth_max_m: Option<f64>, "m";

@@ -8,6 +8,7 @@
 //! `bottom` and `top` in metres, which RMF's tools ignore: their walls are 2.5 m high.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::io::{self, BufWriter, Write};
 
 use glam::DVec2;
@@ -68,7 +69,23 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
 
 /// A text in double quotes, whose escapes are those of JSON.
 fn text(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
+    // JSON's strings are those of YAML but for characters that YAML does not print.
+    let json = serde_json::Value::from(text).to_string();
+    let is_printed = |c: char| {
+        !matches!(
+            c,
+            '\u{7f}'..='\u{9f}' | '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}'
+        )
+    };
+    let mut escaped = String::with_capacity(json.len());
+    for c in json.chars() {
+        if is_printed(c) {
+            escaped.push(c);
+        } else {
+            write!(escaped, "\\u{:04x}", u32::from(c)).ok();
+        }
+    }
+    escaped
 }
 
 fn list(out: &mut dyn Write, name: &str, items: &[String]) -> io::Result<()> {

@@ -11,7 +11,7 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::error::ExportError;
-use super::ros_map::{size_in_cells, usual_resolution};
+use super::ros_map::{nearest, size_in_cells, usual_resolution};
 use crate::flood::flood;
 use crate::geometry::Pose;
 use crate::occupancy::{Coverage, OccupancyGrid};
@@ -49,12 +49,11 @@ pub(super) fn write(
     size_in_cells(world, side)?;
     let grid = OccupancyGrid::of(world, side, Coverage::Conservative)?;
     let frame = grid.frame();
-    let from_start = world.start.and_then(|start| grid.cell_at(start.position));
-    let from_start = from_start.filter(|&(col, row)| grid.occupied(col, row) == Some(false));
-    let first = from_start.map(|(col, row)| frame.index(col, row));
-    let most_clear = || frame.index_at(max_clearance_point(&grid)?);
-    let first = first.or_else(most_clear).ok_or(ExportError::Empty { part: "free ground" })?;
     let mut open: Vec<bool> = grid.cells().iter().map(|occupied| !occupied).collect();
+    // Wide cells may hold the start and a wall.
+    let from_start = world.start.and_then(|start| nearest(&grid, &open, start.position));
+    let most_clear = || frame.index_at(max_clearance_point(&grid)?);
+    let first = from_start.or_else(most_clear).ok_or(ExportError::Empty { part: "free ground" })?;
     let mut region = vec![false; open.len()];
     flood(frame.cols, &mut open, first, |run| region[run].fill(true));
     let corners = outline(frame.cols, &region);

@@ -81,6 +81,14 @@ impl Output {
         WholeFile::create(&self.path).in_option(OPTION, self.path.display())
     }
 
+    /// Whether the format can hold a world, and such as it: everything but the file.
+    ///
+    /// # Errors
+    /// The format cannot hold the world.
+    pub fn check(&self, job: &Job<'_>) -> Result<(), Located<ExportError>> {
+        (self.write)(job, &mut io::sink()).in_option(OPTION, self.path.display())
+    }
+
     /// Writes the file's content.
     ///
     /// # Errors

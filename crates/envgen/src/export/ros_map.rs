@@ -193,7 +193,9 @@ pub(super) fn origin(world: &World) -> Pose {
 pub fn usual_resolution(world: &World) -> f64 {
     let size = world.bounds.size() + RESOLUTION;
     let mut resolution = RESOLUTION;
-    while (size.x / resolution + 1.0) * (size.y / resolution + 1.0) > USUAL_CELLS as f64 {
+    let cells = |resolution: f64| (size.x / resolution + 1.0) * (size.y / resolution + 1.0);
+    // No wider than can be read.
+    while cells(resolution) > USUAL_CELLS as f64 && 2.0 * resolution <= *RESOLUTIONS.end() {
         resolution *= 2.0;
     }
     resolution
@@ -265,7 +267,7 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
 }
 
 /// The open cell whose middle is nearest to a point.
-fn nearest(grid: &OccupancyGrid, open: &[bool], p: DVec2) -> Option<usize> {
+pub(super) fn nearest(grid: &OccupancyGrid, open: &[bool], p: DVec2) -> Option<usize> {
     let frame = grid.frame();
     if let Some(cell) = frame.index_at(p).filter(|&cell| open[cell]) {
         return Some(cell);

@@ -1,5 +1,6 @@
 //! Writing XML.
 
+use std::borrow::Cow;
 use std::io::Write;
 
 use quick_xml::Writer;
@@ -50,7 +51,7 @@ impl<'a> Xml<'a> {
     #[cfg(feature = "sdf")]
     pub(super) fn text(&mut self, name: &str, text: &str) -> Result<(), ExportError> {
         self.0.write_event(Event::Start(element(name, &[])))?;
-        self.0.write_event(Event::Text(BytesText::new(text)))?;
+        self.0.write_event(Event::Text(BytesText::new(&allowed(text))))?;
         Ok(self.0.write_event(Event::End(BytesEnd::new(name)))?)
     }
 
@@ -68,6 +69,18 @@ impl<'a> Xml<'a> {
 }
 
 fn element<'a>(name: &'a str, attributes: &'a [Attribute]) -> BytesStart<'a> {
-    BytesStart::new(name)
-        .with_attributes(attributes.iter().map(|(name, value)| (*name, value.as_str())))
+    let mut element = BytesStart::new(name);
+    for (name, value) in attributes {
+        element.push_attribute((*name, &*allowed(value)));
+    }
+    element
+}
+
+/// A text with a replacement for each character that XML 1.0 does not allow, not even escaped.
+fn allowed(text: &str) -> Cow<'_, str> {
+    let is_allowed = |c: char| matches!(c, '\t' | '\n' | '\r' | '\u{20}'..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..);
+    if text.chars().all(is_allowed) {
+        return Cow::Borrowed(text);
+    }
+    text.chars().map(|c| if is_allowed(c) { c } else { char::REPLACEMENT_CHARACTER }).collect()
 }

@@ -9,7 +9,7 @@ use super::blueprint::Forest;
 use super::index::CellList;
 use super::predict;
 use super::spec::{Border, ForestSpec, RadiusLaw};
-use crate::geometry::Shape;
+use crate::geometry::{Rect, Shape};
 use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::union_find::UnionFind;
 use crate::world::Tree;
@@ -22,6 +22,10 @@ pub const PERCOLATION_THRESHOLD: f64 = 1.128;
 
 /// The cover is measured on a raster of about this many cells along the longer side.
 const COVER_CELLS: f64 = 256.0;
+
+/// The least number of its cells across the area, if that is not too many of them in all.
+const NARROW_CELLS: f64 = 16.0;
+const MOST_COVER_CELLS: f64 = (1 << 22) as f64;
 
 /// Numbers that describe a forest. On a torus, cover, touching and nearest neighbours count across
 /// its sides, crossings do not.
@@ -183,9 +187,14 @@ fn neighbours(spec: &ForestSpec, trees: &[Tree]) -> (Option<f64>, Option<f64>) {
 /// The share of the area under trunks, on a raster of cell middles; on a torus trunks reach across.
 fn cover(spec: &ForestSpec, trees: &[Tree]) -> f64 {
     let (area, size) = (spec.area(), spec.area().size());
-    let Ok(mut grid) = OccupancyGrid::empty(area, size.max_element() / COVER_CELLS) else {
-        return 0.0;
-    };
+    let (usual, narrow) = (size.max_element() / COVER_CELLS, size.min_element() / NARROW_CELLS);
+    // A narrow area has some rows as well, unless they were too many cells.
+    let least = (size.x * size.y / MOST_COVER_CELLS).sqrt();
+    let side = usual.min(narrow.max(least).max(size.max_element() / MOST_COVER_CELLS));
+    // A single row is along the middle.
+    let beyond = (0.5 * (DVec2::splat(side) - size)).max(DVec2::ZERO);
+    let framed = Rect::new(area.min - beyond, area.max + beyond);
+    let Ok(mut grid) = OccupancyGrid::empty(framed, side) else { return 0.0 };
     let copies: &[f64] = if spec.border == Border::Torus { &[-1.0, 0.0, 1.0] } else { &[0.0] };
     for tree in trees {
         for offset in copies.iter().flat_map(|&i| copies.iter().map(move |&j| DVec2::new(i, j))) {

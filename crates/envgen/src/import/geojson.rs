@@ -15,8 +15,8 @@ use crate::file::{FileError, read_text};
 use crate::geometry::{Pose, Rect, Shape, signed_area};
 use crate::provenance::Provenance;
 use crate::world::{
-    Doorway, Extent, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface, SurfaceKind,
-    Tree, Wall, WallKind, World,
+    Doorway, Extent, MAX_COORDINATE, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface,
+    SurfaceKind, Tree, Wall, WallKind, World,
 };
 
 const FORMAT: &str = "GeoJSON";
@@ -286,7 +286,11 @@ impl Properties {
                 }
                 ("road_strip", Outline::Line(line)) => self.add_road(&line, world)?,
                 (_, Outline::Point(center)) => {
-                    if let Some(radius) = self.shape("radius", "a number")? {
+                    // Of files of others only what can be one.
+                    let is_radius = |radius: &f64| {
+                        !part.is_empty() || (*radius > 0.0 && *radius <= MAX_COORDINATE)
+                    };
+                    if let Some(radius) = self.shape("radius", "a number")?.filter(is_radius) {
                         self.add_shape(part, Shape::Disc { center, radius }, world)?;
                     }
                 }

@@ -97,6 +97,12 @@ pub fn read_houseexpo(input: &mut dyn Read) -> Result<World, PlanError> {
     }
     let pose = |[x, y, heading]: [f64; 3]| Pose::new(x, y, heading);
     (world.start, world.goal) = (house.start.map(pose), house.goal.map(pose));
+    // Outside of the outline too.
+    for pose in
+        [world.start, world.goal].into_iter().flatten().filter(|pose| pose.position.is_finite())
+    {
+        world.bounds = world.bounds.union(Rect::new(pose.position, pose.position));
+    }
     if world.start.is_none() && world.check().is_ok() {
         world.start = start_of_most_clearance(&world, true);
     }

@@ -20,10 +20,7 @@ use crate::geometry::{Pose, Rect, Shape};
 use crate::occupancy::OccupancyGrid;
 use crate::placement::max_clearance_point;
 use crate::provenance::Provenance;
-use crate::world::{Obstacle, ObstacleKind, Wall, WallKind, World};
-
-/// The greatest coordinate of an origin that is read, in metres.
-const MAX_ORIGIN: f64 = 1e7;
+use crate::world::{MAX_COORDINATE, Obstacle, ObstacleKind, Wall, WallKind, World};
 
 /// The greatest grey that is a probability in a raw map, in percent.
 const MAX_PERCENT: f64 = 100.0;
@@ -155,9 +152,9 @@ impl RosDescription {
             let allowed = format!("from {} to {} m", RESOLUTIONS.start(), RESOLUTIONS.end());
             return Err(SpecError::new("resolution", self.resolution, allowed));
         }
-        if !self.origin.iter().all(|value| value.abs() <= MAX_ORIGIN) {
+        if !self.origin.iter().all(|value| value.abs() <= MAX_COORDINATE) {
             let value = format!("{:?}", self.origin);
-            let allowed = format!("three numbers from -{MAX_ORIGIN} to {MAX_ORIGIN}");
+            let allowed = format!("three numbers from -{MAX_COORDINATE} to {MAX_COORDINATE}");
             return Err(SpecError::new("origin", value, allowed));
         }
         let thresholds =
@@ -361,6 +358,10 @@ pub(super) fn image_of(path: &Path) -> Option<PathBuf> {
         ending.eq_ignore_ascii_case("yaml") || ending.eq_ignore_ascii_case("yml")
     };
     if !path.extension().is_some_and(is_yaml) {
+        return None;
+    }
+    // What can be read once only is left for the reader.
+    if !path.metadata().is_ok_and(|data| data.is_file()) {
         return None;
     }
     let text = file::read_text(&mut File::open(path).ok()?).ok()?;

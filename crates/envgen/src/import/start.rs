@@ -1,7 +1,7 @@
 //! Starts for worlds from files that have none.
 
 use crate::flood::flood;
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Rect};
 use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::placement::max_clearance_point;
 use crate::world::World;
@@ -30,6 +30,8 @@ pub(super) fn start_of_most_clearance(world: &World, enclosed: bool) -> Option<P
         }
     }
     let grid = OccupancyGrid::from_cells(frame.origin, frame.cell_size, frame.cols, cells).ok()?;
-    let position = max_clearance_point(&grid)?;
-    Some(Pose { position, heading: 0.0 })
+    // The last cells may reach beyond the bounds.
+    let Rect { min, max } = world.bounds;
+    let position = max_clearance_point(&grid)?.clamp(min, max);
+    (world.clearance(position) > 0.0).then_some(Pose { position, heading: 0.0 })
 }

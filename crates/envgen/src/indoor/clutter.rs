@@ -11,7 +11,7 @@ use super::spec::IndoorSpec;
 use crate::clearance_index::ClearanceIndex;
 use crate::geometry::{Pose, Shape};
 use crate::seed::{Seed, Stream};
-use crate::world::{Obstacle, ObstacleKind, Surface, SurfaceKind, World};
+use crate::world::{Obstacle, ObstacleKind, World};
 
 /// Least and greatest side of a crate in metres.
 const SIDES: [f64; 2] = [0.3, 0.9];
@@ -98,9 +98,12 @@ fn side_of(draws: &mut Stream) -> f64 {
 /// The world's solids, and the surfaces that robots cannot enter as further solids.
 fn with_barriers(world: &World) -> World {
     let mut solid = World::new(world.provenance.clone(), world.bounds);
-    let barrier = |surface: &&Surface| surface.speed == 0.0 || surface.kind == SurfaceKind::Water;
     let shapes = world.solids().map(|solid| solid.shape.into_owned());
-    let barriers = world.surfaces.iter().filter(barrier).map(|surface| surface.shape.clone());
+    let barriers = world
+        .surfaces
+        .iter()
+        .filter(|surface| surface.is_barrier())
+        .map(|surface| surface.shape.clone());
     solid.obstacles =
         shapes.chain(barriers).map(|shape| Obstacle::new(ObstacleKind::Other, shape)).collect();
     solid

@@ -143,7 +143,7 @@ pub(super) fn cleared(
     let mut room = room.clone();
     room.walls.retain(|wall| stays(&wall.shape));
     room.obstacles.retain(|obstacle| stays(&obstacle.shape));
-    room.surfaces.retain(|surface| surface.speed > 0.0 || stays(&surface.shape));
+    room.surfaces.retain(|surface| !surface.is_barrier() || stays(&surface.shape));
     room
 }
 
@@ -391,7 +391,7 @@ mod tests {
 
     use super::*;
     use crate::indoor::catalogue::Catalogue;
-    use crate::world::{Obstacle, ObstacleKind};
+    use crate::world::{Obstacle, ObstacleKind, Surface, SurfaceKind};
     use proptest::prelude::*;
 
     const ROBOT: Dimensions = Dimensions { unit: 3.0, wall: 0.1, doorway: 0.94, radius: 0.36 };
@@ -438,6 +438,16 @@ mod tests {
             Interior::new(&room(&[shelf, wall]), ROBOT).parts().len()
         };
         assert_eq!((gap(0.7), gap(0.85)), (2, 1));
+    }
+
+    #[test]
+    fn water_makes_two_parts_whatever_its_speed() {
+        for speed in [0.0, 0.5, 1.0] {
+            let mut design = room(&[]);
+            let water = Surface::new(SurfaceKind::Water, block(2.8, 0.0, 3.2, 3.0));
+            design.surfaces.push(Surface { speed, ..water });
+            assert_eq!(Interior::new(&design, ROBOT).parts().len(), 2, "{speed}");
+        }
     }
 
     #[test]

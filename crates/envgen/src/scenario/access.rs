@@ -11,7 +11,7 @@ use crate::error::SpecError;
 use crate::flood::flood;
 use crate::geometry::{Shape, distance_to_segment};
 use crate::grid::GridFrame;
-use crate::surface_index::SurfaceIndex;
+use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::{Wall, WallKind, World};
 
 /// Side of a cell in metres, where the world is not too large for it and the disc not too small.
@@ -139,8 +139,8 @@ impl FreeCells {
         let (cols, rows) = (count.x as usize, count.y as usize);
         let frame = GridFrame { origin: world.bounds.min, cell_size: side, cols, rows };
         let index = ClearanceIndex::new(world, radius)?;
-        let deep = SurfaceIndex::of(world, |ground| ground.speed == 0.0);
-        let is_free = |p| index.clearance(p) >= radius && deep.at(p).speed > 0.0;
+        let deep = SurfaceIndex::of(world, Ground::is_barrier);
+        let is_free = |p| index.clearance(p) >= radius && !deep.at(p).is_barrier();
         let cells = (0..frame.len()).map(|cell| is_free(frame.center_of(cell)));
         Ok(FreeCells { frame, cells: cells.collect() })
     }

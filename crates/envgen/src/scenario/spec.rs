@@ -46,7 +46,7 @@ settings! {
         walking_speed: f64 = 1.34 => number("m/s", 0.1..=3.0);
         /// Mean of the exponentially distributed time that a person waits between two walks.
         waiting: f64 = 20.0 => number("s", 0.5..=1e6);
-        /// Mean of the exponentially distributed time that a person works after every second walk.
+        /// Mean of the exponentially distributed time that a person works after about every second walk, in place of waiting.
         working: f64 = 60.0 => number("s", 0.5..=1e6);
         /// Extinction coefficient of the smoke at its sources, 0 for no smoke.
         #[group = ""]

@@ -310,6 +310,11 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Whether robots cannot or must not enter it: water, whatever its speed, and ground of speed 0.
+    pub fn is_barrier(&self) -> bool {
+        self.kind == SurfaceKind::Water || self.speed <= 0.0
+    }
+
     /// Ground on which robots drive as on a plain floor.
     ///
     /// ```

@@ -4,7 +4,7 @@
 //! its value, or stdout; [`Locate`](envgen::located::Locate) puts it there.
 
 use std::fmt::Display;
-use std::io;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use envgen::export::{ExportError, OutputError};
@@ -48,12 +48,14 @@ impl Failure {
             Failure::Stdout(error) => (format!("stdout: {error}"), 1),
             Failure::ReaderGone => return ExitCode::SUCCESS,
         };
-        #[expect(clippy::print_stderr, reason = "this is where the command prints errors")]
-        {
-            eprintln!("error: {text}");
-        }
+        print_line(&format!("error: {text}"));
         ExitCode::from(code)
     }
+}
+
+/// Prints a line on stderr. That this fails cannot be reported anywhere.
+pub(crate) fn print_line(line: &str) {
+    writeln!(io::stderr(), "{line}").ok();
 }
 
 impl<E: Into<Failure>> From<Located<E>> for Failure {

@@ -9,7 +9,7 @@ use envgen::{Seed, SpecError, WorldBlueprint, WorldKind, WorldMetrics};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, print_line};
 use crate::platform::PlatformOptions;
 use crate::progress::bar;
 use crate::source::Source;
@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
                         if let Err(text) = &measured {
                             unmeasured += 1;
                             if unmeasured <= NAMED_FAILURES {
-                                bar.suspend(|| say(&format!("seed {seed}: {text}")));
+                                bar.suspend(|| print_line(&format!("seed {seed}: {text}")));
                             }
                         }
                         Some(measured.ok())
@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
                 }
                 failures += 1;
                 if failures <= NAMED_FAILURES {
-                    bar.suspend(|| say(&format!("seed {seed}: {error}")));
+                    bar.suspend(|| print_line(&format!("seed {seed}: {error}")));
                 }
             }
         }
@@ -121,7 +121,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     out.flush()?;
     bar.finish_and_clear();
     if unmeasured > NAMED_FAILURES {
-        say(&format!("{unmeasured} of {count} seeds have no difficulty"));
+        print_line(&format!("{unmeasured} of {count} seeds have no difficulty"));
     }
     if failures > 0 {
         let text = format!("{failures} of {count} seeds have no {}", spec.kind());
@@ -134,11 +134,4 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 fn measure(blueprint: &WorldBlueprint, platform: &Platform) -> Result<DifficultyVector, String> {
     let vector = DifficultyVector::of(&blueprint.to_world(), platform);
     vector.map_err(|error| format!("no difficulty: {error}"))
-}
-
-fn say(text: &str) {
-    #[expect(clippy::print_stderr, reason = "where the command prints errors")]
-    {
-        eprintln!("{text}");
-    }
 }

@@ -12,7 +12,7 @@ use envgen::located::Locate;
 use envgen::scenario::ScenarioSpec;
 use envgen::{Blueprint, Seed, SpecError, World, WorldKind, WorldSpec};
 
-use crate::failure::Failure;
+use crate::failure::{Failure, print_line};
 
 /// The longest spec file that is read, in bytes.
 const MAX_SPEC_BYTES: u64 = 1 << 28;
@@ -170,7 +170,8 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
             false => Ok(()),
         })
         .in_file(path)?;
-    Ok(text)
+    // Some editors begin UTF-8 with a mark.
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned())
 }
 
 /// A world file.
@@ -281,8 +282,5 @@ fn open(path: &Path) -> Result<File, Failure> {
 
 /// Prints a note for the user on stderr.
 pub(crate) fn note(text: &str) {
-    #[expect(clippy::print_stderr, reason = "where the command prints notes")]
-    {
-        eprintln!("note: {text}");
-    }
+    print_line(&format!("note: {text}"));
 }

@@ -5,6 +5,7 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 
 use super::PlanError;
+use crate::geometry::Pose;
 use crate::world::MAX_COORDINATE;
 
 const FORMAT: &str = "a Gazebo world of cylinders";
@@ -31,9 +32,16 @@ pub struct Cylinder {
 #[derive(Default)]
 struct Model {
     pose: String,
+    /// Poses of the last link and of the last collision in it.
+    link: [String; 2],
+    /// Those of the link and the collision with the geometry.
+    around: [String; 2],
     radius: String,
     /// The geometry of its collision.
     geometry: Option<String>,
+    /// Whether it is in this link, and in this collision.
+    is_in_link: bool,
+    is_in_collision: bool,
 }
 
 /// The cylinders of the models of a world in a file. Models that are planes, and what else a world holds, are
@@ -57,6 +65,8 @@ pub fn read_cylinders(text: &str) -> Result<Vec<Cylinder>, PlanError> {
                 let names: Vec<&str> = path.iter().map(String::as_str).collect();
                 let into = match *names {
                     ["sdf", "world", "model", "pose"] => &mut model.pose,
+                    ["sdf", "world", "model", "link", "pose"] => &mut model.link[0],
+                    ["sdf", "world", "model", "link", "collision", "pose"] => &mut model.link[1],
                     [
                         "sdf",
                         "world",
@@ -73,6 +83,16 @@ pub fn read_cylinders(text: &str) -> Result<Vec<Cylinder>, PlanError> {
                 continue;
             }
             Event::End(_) => {
+                if path == ["sdf", "world", "model", "link", "collision"]
+                    && std::mem::take(&mut model.is_in_collision)
+                {
+                    model.around[1].clone_from(&model.link[1]);
+                }
+                if path == ["sdf", "world", "model", "link"]
+                    && std::mem::take(&mut model.is_in_link)
+                {
+                    model.around[0].clone_from(&model.link[0]);
+                }
                 if path == ["sdf", "world", "model"] {
                     finish(std::mem::take(&mut model), &mut cylinders)?;
                 }
@@ -96,6 +116,13 @@ pub fn read_cylinders(text: &str) -> Result<Vec<Cylinder>, PlanError> {
                 return Err(PlanError::value("geometry", name, "one for each model"));
             }
             model.geometry = Some(name.clone());
+            (model.is_in_link, model.is_in_collision) = (true, true);
+        }
+        if path == ["sdf", "world", "model"] && name == "link" {
+            model.link = Default::default();
+        }
+        if path == ["sdf", "world", "model", "link"] && name == "collision" {
+            model.link[1].clear();
         }
         if depth == MAX_DEPTH {
             let allowed = format!("at most {MAX_DEPTH} elements in each other");
@@ -122,18 +149,27 @@ fn finish(model: Model, cylinders: &mut Vec<Cylinder>) -> Result<(), PlanError> 
         return Err(PlanError::value("model", "more models", allowed));
     }
     let number = |text: &str| text.parse::<f64>().ok().filter(|value| value.is_finite());
-    let pose: Option<Vec<f64>> = model.pose.split_whitespace().map(number).collect();
     let short = |text: &str| format!("`{}`", text.trim().chars().take(80).collect::<String>());
-    let Some([x, y, _, roll, pitch, _]) = pose.as_deref() else {
-        return Err(PlanError::value("pose", short(&model.pose), "six finite numbers"));
-    };
-    if x.abs().max(y.abs()) > MAX_COORDINATE || *roll != 0.0 || *pitch != 0.0 {
-        let allowed = format!("up to {MAX_COORDINATE:e} m from the axes, and upright");
-        return Err(PlanError::value("pose", short(&model.pose), allowed));
+    // That of the model, of its link in it, and of the collision in that; those that are not given are zero.
+    let mut pose = Pose::default();
+    let [link, collision] = &model.around;
+    for (text, is_needed) in [(&model.pose, true), (link, false), (collision, false)] {
+        if text.trim().is_empty() && !is_needed {
+            continue;
+        }
+        let numbers: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
+        let Some(&[x, y, _, roll, pitch, yaw]) = numbers.as_deref() else {
+            return Err(PlanError::value("pose", short(text), "six finite numbers"));
+        };
+        if x.abs().max(y.abs()) > MAX_COORDINATE || roll != 0.0 || pitch != 0.0 {
+            let allowed = format!("up to {MAX_COORDINATE:e} m from the axes, and upright");
+            return Err(PlanError::value("pose", short(text), allowed));
+        }
+        pose = pose.compose(Pose::new(x, y, yaw));
     }
     let radius = number(model.radius.trim()).filter(|radius| (1e-3..=1e3).contains(radius));
     let radius = radius
         .ok_or_else(|| PlanError::value("radius", short(&model.radius), "from 0.001 to 1000 m"))?;
-    cylinders.push(Cylinder { center: glam::DVec2::new(*x, *y), radius });
+    cylinders.push(Cylinder { center: pose.position, radius });
     Ok(())
 }

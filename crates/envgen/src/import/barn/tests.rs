@@ -339,3 +339,28 @@ fn what_is_wrong_is_named() {
     let error = read_path(&mut array(1, 2, [-1, 0]).as_slice()).unwrap_err().to_string();
     assert!(error.contains("`path` must be rows and columns from 0 on, got -1"), "{error}");
 }
+
+#[test]
+fn poses_of_links_and_collisions_add_up() {
+    let world = |link: &str, collision: &str| {
+        format!(
+            "<sdf version='1.6'><world name='default'><model name='a'><pose>1 2 0.5 0 0 0.5</pose><link name='l'>{link}\
+             <collision name='c'>{collision}<geometry><cylinder><radius>0.2</radius></cylinder></geometry></collision>\
+             </link></model></world></sdf>"
+        )
+    };
+    let center = |text: &str| read_cylinders(text).map(|found| found[0].center);
+    assert_eq!(center(&world("", "")).unwrap(), DVec2::new(1.0, 2.0));
+    let turned = world("<pose>3 0 0 0 0 0</pose>", "<pose>0 4 0 0 0 0</pose>");
+    let expected =
+        DVec2::new(1.0, 2.0) + crate::geometry::unit_vector(0.5).rotate(DVec2::new(3.0, 4.0));
+    assert!(center(&turned).unwrap().distance(expected) < 1e-12);
+    assert!(center(&world("<pose>3 0 0 0.1 0 0</pose>", "")).is_err());
+    // Other links and collisions do not count; a pose may come after what it places.
+    let others = "<sdf version='1.6'><world name='default'><model name='a'><pose>1 2 0 0 0 0</pose>\
+                  <link name='v'><pose>7 7 0 0 0 0</pose></link><link name='l'><collision name='c'><geometry><cylinder>\
+                  <radius>0.2</radius></cylinder></geometry><pose>0 4 0 0 0 0</pose></collision><collision name='d'>\
+                  <pose>9 9 0 0 0 0</pose></collision><pose>3 0 0 0 0 0</pose></link><link name='w'><pose>8 8 0 0 0 0</pose>\
+                  </link></model></world></sdf>";
+    assert_eq!(center(others).unwrap(), DVec2::new(4.0, 6.0));
+}

@@ -83,6 +83,9 @@ fn lit() -> bool {
     true
 }
 
+/// What files of plans call a piece of hallway.
+pub(in crate::indoor) const HALLWAY_NAME: &str = "hallway";
+
 /// Why a room is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -90,6 +93,14 @@ pub enum RoomError {
     /// The name is empty.
     #[error("a room has no name")]
     Unnamed,
+    /// The name is that of hallways in files, or holds characters that files cannot.
+    #[error(
+        "a room cannot be named {name:?}: it must be other than `{HALLWAY_NAME}`, without control characters"
+    )]
+    Name {
+        /// The name.
+        name: String,
+    },
     /// Width or height is out of range.
     #[error(
         "width and height of room `{name}` must be 1 to {MAX_ROOM_SIZE} cells, got {width} by {height}"
@@ -183,11 +194,11 @@ impl RoomDesign {
         DVec2::new(f64::from(self.width), f64::from(self.height)) * DESIGN_UNIT
     }
 
-    /// Everything that a robot cannot drive on: walls, obstacles, and surfaces of speed 0.
+    /// Everything that a robot cannot drive on: walls, obstacles, water, and surfaces of speed 0.
     pub fn barriers(&self) -> impl Iterator<Item = &Shape> {
         let walls = self.walls.iter().map(|wall| &wall.shape);
         let obstacles = self.obstacles.iter().map(|obstacle| &obstacle.shape);
-        let surfaces = self.surfaces.iter().filter(|s| s.speed == 0.0).map(|s| &s.shape);
+        let surfaces = self.surfaces.iter().filter(|s| s.is_barrier()).map(|s| &s.shape);
         walls.chain(obstacles).chain(surfaces)
     }
 
@@ -199,6 +210,9 @@ impl RoomDesign {
         let name = || self.name.clone();
         if self.name.trim().is_empty() {
             return Err(RoomError::Unnamed);
+        }
+        if self.name == HALLWAY_NAME || self.name.chars().any(char::is_control) {
+            return Err(RoomError::Name { name: self.name.clone() });
         }
         if ![self.width, self.height].iter().all(|size| (1..=MAX_ROOM_SIZE).contains(size)) {
             return Err(RoomError::Size { name: name(), width: self.width, height: self.height });
@@ -342,6 +356,9 @@ mod tests {
             assert!(error(RoomDesign::bare("a", 1, 1, difficulty)).contains("difficulty"));
         }
         assert_eq!(RoomDesign::bare(" ", 1, 1, 1.0).validate(), Err(RoomError::Unnamed));
+        for name in ["hallway", "a\u{1}b", "a\u{7f}"] {
+            assert!(error(RoomDesign::bare(name, 1, 1, 1.0)).contains("cannot be named"));
+        }
         let mut room = RoomDesign::bare("a", 1, 1, 1.0);
         room.victims.push(Pose::new(4.0, 1.0, 0.0));
         assert!(error(room).contains("victim 0"));

@@ -115,9 +115,13 @@ fn read_rooms(folder: &Path) -> Result<Vec<RoomDesign>, FolderError> {
     paths.sort();
     let mut rooms = Vec::with_capacity(paths.len());
     for path in paths {
-        let bytes = fs::metadata(&path).map_err(|source| failed(&path, source))?.len();
-        if bytes > MAX_FILE {
-            return Err(FolderError::TooLong { path, bytes });
+        let data = fs::metadata(&path).map_err(|source| failed(&path, source))?;
+        // Devices and pipes have no length, and may have no end.
+        if !data.is_file() {
+            return Err(failed(&path, io::Error::other("it is not a file")));
+        }
+        if data.len() > MAX_FILE {
+            return Err(FolderError::TooLong { path, bytes: data.len() });
         }
         let text = fs::read_to_string(&path).map_err(|source| failed(&path, source))?;
         let room = room_from_ron(&text)

@@ -7,6 +7,8 @@ mod room_file;
 mod room_list;
 mod shared_room;
 
+#[cfg(feature = "usarsim")]
+pub(super) use design::HALLWAY_NAME;
 pub use design::{MAX_ROOM_PARTS, MAX_ROOM_SIZE, RoomDesign, RoomError};
 pub use folder::FolderError;
 pub use room_file::{room_from_ron, room_to_ron};

@@ -7,10 +7,10 @@ use quick_xml::Writer;
 
 use super::error::WorldGeneratorError;
 use super::xml::Flat;
-use crate::indoor::catalogue::{Catalogue, MAX_ROOM_SIZE, MAX_ROOMS, RoomDesign};
+use crate::indoor::catalogue::{Catalogue, HALLWAY_NAME, MAX_ROOM_SIZE, MAX_ROOMS, RoomDesign};
 
 /// The name of a piece of hallway.
-pub const HALLWAY: &str = "hallway";
+pub const HALLWAY: &str = HALLWAY_NAME;
 
 /// A room of a library: its size is known, its contents are in another file.
 #[derive(Clone, Debug, PartialEq, Eq)]

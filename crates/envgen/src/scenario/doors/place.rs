@@ -1,18 +1,24 @@
 //! Which doorways have doors, and where their leaves can swing.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use super::door::{Door, DoorKind};
 use super::leaf::{DoorShape, Leaf};
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges, polygon_contains, segments_cross};
+use crate::grid::{Convex, GridIndex, index_area};
 use crate::scenario::person::PERSON_RADIUS;
 use crate::scenario::spec::{DoorKinds, ScenarioSpec};
 use crate::seed::Seed;
-use crate::world::{Doorway, World};
+use crate::world::{Doorway, Extent, PartId, Solid, World};
 
 /// Leaves keep this distance in metres from solids in front of their wall.
 const GAP: f64 = 0.02;
+
+/// A solid is listed in so many cells of an index on average.
+const LISTINGS: usize = 16;
 
 /// Between an open leaf and the next solid is room for a person, in metres.
 const PASSAGE: f64 = 2.0 * PERSON_RADIUS + 0.1;
@@ -31,9 +37,9 @@ pub(crate) fn place_doors(
         let why = "0: the world has no open doorway";
         return Err(ScenarioSpec::setting("doors").error_with(spec.doors, why));
     }
-    let solids: Vec<(Rect, Shape)> =
-        world.solids().map(|solid| (solid.shape.bounds(), solid.shape.into_owned())).collect();
-    let mut swept: Vec<(Rect, Shape)> = Vec::new();
+    let around = Around::new(world);
+    // What the leaves of each doorway sweep.
+    let mut swept: Vec<Vec<(Rect, Shape)>> = vec![Vec::new(); world.doorways.len()];
     let mut doors = Vec::new();
     for (i, doorway) in world.doorways.iter().enumerate().filter(|(_, doorway)| doorway.open) {
         let mut stream = seed.stream("scenario/doors", i as u64);
@@ -54,27 +60,108 @@ pub(crate) fn place_doors(
         });
         let half_wall = 0.5 * doorway.shape.bounds().size().min_element();
         let outlines = |door: &Door| DoorShape::new(door, doorway).swept_outlines(half_wall + GAP);
-        let others = || world.doorways.iter().enumerate().filter(|(j, _)| *j != i);
+        let others = || around.openings_near(doorway).filter(|j| *j != i);
         let is_free = |door: &Door| {
             outlines(door).iter().chain(&passages(door, doorway)).all(|outline| {
-                let around = Rect::around(outline.iter().copied());
-                let hits = |bounds: Rect, shape: &Shape| {
-                    around.is_some_and(|around| around.overlaps(bounds)) && overlap(outline, shape)
+                let is_opening = |j: usize| {
+                    let other = &world.doorways[j].shape;
+                    meets(outline, other.bounds(), other)
                 };
-                !solids.iter().chain(&swept).any(|(bounds, shape)| hits(*bounds, shape))
-                    && !others().any(|(_, other)| hits(other.shape.bounds(), &other.shape))
+                let mut leaves = others().flat_map(|j| &swept[j]);
+                !around.solids_near(doorway).any(|(solid, _)| meets(outline, solid.0, &solid.1))
+                    && !others().any(is_opening)
+                    && !leaves.any(|(bounds, shape)| meets(outline, *bounds, shape))
             })
         };
         let mut candidates = candidates.peekable();
         let Some(&any) = candidates.peek() else { continue };
         let door = candidates.find(is_free).unwrap_or(Door { kind: DoorKind::Sliding, ..any });
-        swept.extend(outlines(&door).into_iter().map(|vertices| {
-            let shape = Shape::Polygon { vertices };
-            (shape.bounds(), shape)
-        }));
+        // No leaf passes what is in a wide doorway, such as clutter.
+        let leaf = middle_of_leaf(&door, doorway);
+        let mut low = around.solids_near(doorway).filter(|(_, is_low)| *is_low);
+        if door.kind == DoorKind::Sliding && low.any(|(solid, _)| meets(&leaf, solid.0, &solid.1)) {
+            continue;
+        }
+        swept[i] = outlines(&door)
+            .into_iter()
+            .map(|vertices| {
+                let shape = Shape::Polygon { vertices };
+                (shape.bounds(), shape)
+            })
+            .collect();
         doors.push(door);
     }
     Ok(doors)
+}
+
+/// What is around open doorways.
+struct Around {
+    solids: Vec<(Rect, Shape)>,
+    /// Whether each is at the height of a doorway, and not only above or below all.
+    is_low: Vec<bool>,
+    near_solids: GridIndex,
+    near_openings: GridIndex,
+}
+
+impl Around {
+    fn new(world: &World) -> Self {
+        let bounds_of = |solid: Solid<'_>| (solid.shape.bounds(), solid.shape.into_owned());
+        let solids: Vec<(Rect, Shape)> = world.solids().map(bounds_of).collect();
+        let open = world.doorways.iter().filter(|doorway| doorway.open);
+        let extents = open.map(Doorway::extent);
+        let all = extents
+            .reduce(|a, b| Extent::between(a.bottom().min(b.bottom()), a.top().max(b.top())));
+        let low: BTreeSet<PartId> = all.map_or_else(BTreeSet::new, |all| {
+            world.solids_within(all).map(|solid| solid.id).collect()
+        });
+        let is_low = world.solids().map(|solid| low.contains(&solid.id)).collect();
+        let near_solids = near_doorways(world, solids.iter().map(|(bounds, _)| *bounds), 1.0);
+        let openings = world.doorways.iter().map(|doorway| doorway.shape.bounds());
+        let near_openings = near_doorways(world, openings, 2.0);
+        Around { solids, is_low, near_solids, near_openings }
+    }
+
+    /// The solids that the leaves of a doorway can meet, and whether each is at the height of doorways.
+    fn solids_near(&self, doorway: &Doorway) -> impl Iterator<Item = (&(Rect, Shape), bool)> {
+        let near = self.near_solids.at(doorway.shape.bounds().center()).iter();
+        near.map(|&i| (&self.solids[i as usize], self.is_low[i as usize]))
+    }
+
+    /// The doorways whose leaves can meet those of a doorway, itself included.
+    fn openings_near(&self, doorway: &Doorway) -> impl Iterator<Item = usize> {
+        let near = self.near_openings.at(doorway.shape.bounds().center()).iter();
+        near.map(|&i| i as usize)
+    }
+}
+
+/// Whether an outline and a shape with these bounds overlap.
+fn meets(outline: &[DVec2], bounds: Rect, shape: &Shape) -> bool {
+    let around = Rect::around(outline.iter().copied());
+    around.is_some_and(|around| around.overlaps(bounds)) && overlap(outline, shape)
+}
+
+/// For the middle of each open doorway the numbers of those of some bounds that are within so many times the reach of the
+/// largest door, and perhaps some farther ones.
+fn near_doorways(world: &World, bounds: impl Iterator<Item = Rect>, times: f64) -> GridIndex {
+    let open = || world.doorways.iter().filter(|doorway| doorway.open);
+    let reach = |doorway: &Doorway| {
+        let size = doorway.shape.bounds().size();
+        // The corner of an open leaf, and the passage beyond it.
+        1.2 * size.length() + size.max_element() + PASSAGE + 2.0 * GAP
+    };
+    let reach = times * open().map(reach).fold(0.0, f64::max);
+    let bounds: Vec<Rect> = bounds.map(|bounds| bounds.grown(reach)).collect();
+    let middles = open().map(|doorway| doorway.shape.bounds().center());
+    let area = index_area(Rect::around(middles), 1.0);
+    GridIndex::new(area, open().count() as f64, bounds.len(), Some(LISTINGS), |i, frame, visit| {
+        frame.touched_runs(&Convex::Polygon(&Shape::from_rect(bounds[i]).corners()), visit);
+    })
+}
+
+/// The middle half of a door's closed leaf: its ends may touch jambs, or reach into them.
+fn middle_of_leaf(door: &Door, doorway: &Doorway) -> Vec<DVec2> {
+    let [a, b] = DoorShape::new(door, doorway).ends;
+    Shape::thick_segment(a.lerp(b, 0.25), a.lerp(b, 0.75), GAP, 0.0).corners()
 }
 
 impl DoorKinds {

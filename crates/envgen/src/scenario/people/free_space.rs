@@ -65,11 +65,6 @@ pub(crate) struct FreeSpace {
     near_leaves: CellBuckets<u32>,
 }
 
-/// Whether people walk on a ground: not on water, nor where nothing can be driven on.
-fn is_firm(ground: Ground) -> bool {
-    !ground.water && ground.speed > 0.0
-}
-
 impl FreeSpace {
     pub(crate) fn new(world: &World, doors: &[DoorShape], index: Arc<ClearanceIndex>) -> Self {
         let size = world.bounds.size();
@@ -89,7 +84,7 @@ impl FreeSpace {
             frame.touched_runs(&crate::grid::Convex::Polygon(&shape.corners()), visit);
         })
         .unwrap_or_else(|| unreachable!("there is no limit"));
-        let surfaces = SurfaceIndex::of(world, |ground| !is_firm(ground));
+        let surfaces = SurfaceIndex::of(world, Ground::is_barrier);
         let mut space = FreeSpace {
             frame,
             moves: Vec::new(),
@@ -116,7 +111,7 @@ impl FreeSpace {
     }
 
     fn is_firm(&self, p: DVec2) -> bool {
-        is_firm(self.surfaces.at(p))
+        !self.surfaces.at(p).is_barrier()
     }
 
     /// The leaves of open doors within reach of a point, and perhaps a few more.

@@ -133,9 +133,10 @@ impl SmokeRegions {
     ) {
         let to = from + direction * length;
         let around = Rect::new(from.min(to), from.max(to));
-        // Smoke that leaks is of the kind of its sources: of several kinds, regional.
+        // Smoke that leaks is of the kind of its sources: of several kinds, regional. Discs and boxes do not leak.
         let is_particle = |source: &SmokeSource| source.kind == SmokeKind::Particle;
-        let all_particles = self.sources.iter().all(is_particle);
+        let mut leaking = self.sources.iter().filter(|source| source.region.shape().is_none());
+        let all_particles = leaking.all(is_particle);
         for (shapes, &extinction) in self.floors.iter().zip(&field.rooms) {
             if extinction < THINNEST {
                 continue;
