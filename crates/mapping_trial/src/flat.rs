@@ -336,6 +336,7 @@ impl FlatSimulator {
         disc.touching = touching;
         if water {
             disc.condition = Condition::Drowned;
+            (disc.speed, disc.turn_rate, disc.touching) = (0.0, 0.0, false);
         }
     }
 }

@@ -167,7 +167,7 @@ impl OccupancyMap {
         let (col, row) = index.tile();
         let Some(slot) = self.slot(col, row).or_else(|| self.grow(col, row)) else { return };
         let cell = &mut self.tiles[slot].cells[place(index)];
-        *cell = (*cell + change).clamp(-CLAMP, CLAMP);
+        *cell = cell.saturating_add(change).clamp(-CLAMP, CLAMP);
     }
 
     /// Announces that cells in a rectangle (in metres) have changed: the revision of the map and of
@@ -338,6 +338,10 @@ mod tests {
         assert_eq!(map.cell(at(-1, 0)), Cell::Free);
         (0..50).for_each(|_| map.add(at(-1, 0), HIT));
         assert_eq!(map.log_odds(at(-1, 0)), CLAMP);
+        map.add(at(-1, 0), i16::MAX);
+        assert_eq!(map.log_odds(at(-1, 0)), CLAMP);
+        map.add(at(-1, 0), i16::MIN);
+        assert_eq!(map.log_odds(at(-1, 0)), -CLAMP);
         assert_eq!(map.cell(at(0, 0)), Cell::Unknown);
     }
 

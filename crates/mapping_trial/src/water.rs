@@ -48,7 +48,7 @@ pub fn seen(grounds: &SurfaceIndex, rays: &Raycaster, robot: &Robot, pose: Pose)
         let along = ahead.rotate(look);
         let wall = rays.cast_along(pose.position, along, robot.water_sight);
         let free = wall.map_or(robot.water_sight, |hit| hit.distance);
-        let steps = ((free - NEAREST) / STEP + 1e-9).max(-1.0) as i32;
+        let steps = ((free - NEAREST) / STEP + 1e-9).floor().max(-1.0) as i32;
         points.extend(
             (0..=steps)
                 .map(|step| NEAREST + STEP * f64::from(step))

@@ -9,7 +9,9 @@ use envgen::hallway::HallwaySpec;
 use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::backend::TICK;
-use mapping_trial::difficulty::{Panel, measure, reference_scale};
+use mapping_trial::difficulty::{Anchors, Panel, measure, reference_scale};
+use mapping_trial::experiment::Shard;
+use mapping_trial::experiment::survey::SurveyFolder;
 use mapping_trial::feedback::Rating;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::score::MapScores;
@@ -51,6 +53,43 @@ fn an_empty_room_measures_near_0_and_as_the_library_does() {
     let text = String::from_utf8(output.stdout).expect("text");
     assert!(text.starts_with("hallway, seed 0: 12 trials of the panel \"reference\""), "{text}");
     assert!(text.contains("wall_follow, short"), "{text}");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_reader_that_is_gone_is_no_error_and_a_full_disk_is_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    trial_in(folder.path());
+    let score = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_envgen-trials"));
+        command.args("score --map map.yaml --world world.json --frame world".split(' '));
+        command.current_dir(folder.path());
+        command
+    };
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("the device");
+    let output = score().stdout(full).output().expect("the command runs");
+    let text = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("error: stdout: No space left"), "{text}");
+    let mut child = score().stdout(std::process::Stdio::piped()).spawn().expect("the command runs");
+    drop(child.stdout.take());
+    assert!(child.wait().expect("it ends").success());
+}
+
+#[test]
+fn formats_that_cannot_hold_the_map_are_refused_before_the_trials() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let generate = |more: &[&str]| {
+        let arguments = [&["generate", "--set", "width=8", "--set", "height=8"][..], more].concat();
+        let output = run(folder.path(), &arguments);
+        (output.status.code(), String::from_utf8(output.stderr).expect("text"))
+    };
+    let (code, text) = generate(&["--set", "difficulty=5", "--out", "a.json", "--out", "a.asc"]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(text.contains("--out a.asc"), "{text}");
+    let (code, text) =
+        generate(&["--set", "difficulty=5", "--set", "difficulty=6", "--out", "a.json"]);
+    assert!(code == Some(2) && text.contains("`difficulty` is set twice"), "{text}");
 }
 
 #[test]
@@ -406,6 +445,10 @@ fn a_driver_that_fails_leaves_no_trial() {
 fn unfinished_and_foreign_atlases_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
+    let missing = error(at, &["calibrate", "--anchors", "anchors", "--out", "new.json"]);
+    assert_eq!(missing, "error: anchors: there is no such folder\n");
+    let survey = Anchors::first().survey(&Panel::reference(), 1);
+    drop(SurveyFolder::open(&at.join("anchors"), &survey, Shard::WHOLE).expect("a folder"));
     let unfinished = error(at, &["calibrate", "--anchors", "anchors", "--out", "new.json"]);
     assert_eq!(unfinished, "error: anchors: 0 of 480 trials are finished\n");
     let head = at.join("anchors").join("survey.json");

@@ -8,13 +8,72 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::error::ExperimentError;
+use super::lines::Lines;
 use super::write;
 
 /// The name of that file in the folder of a survey.
 pub(super) const SURVEY: &str = "survey.json";
 
+/// The name of that file in the folder of an experiment.
+pub(super) const EXPERIMENT: &str = "experiment.json";
+
 /// The most characters of a value in an error.
 const LONGEST: usize = 100;
+
+/// A kind of description.
+pub(super) struct Kind {
+    /// The name of the file.
+    pub(super) file: &'static str,
+    /// What errors call it.
+    pub(super) what: &'static str,
+    /// The version that can be read.
+    pub(super) version: u32,
+}
+
+/// Locks a folder for what `head` describes, new or begun, and reads its trials. `difference` is what errors say of
+/// another description.
+///
+/// # Errors
+/// A folder that cannot be written, holds something else, or is in use.
+pub(super) fn lock<T: Serialize + DeserializeOwned + PartialEq>(
+    folder: &Path,
+    kind: &Kind,
+    head: &T,
+    difference: impl Fn(&T, &T) -> String,
+) -> Result<(Lines, String), ExperimentError> {
+    write::folder(folder)?;
+    let path = folder.join(kind.file);
+    let content = |reason: String| ExperimentError::Content { path: folder.to_owned(), reason };
+    let is_begun = || match read(&path, kind.what, kind.version)? {
+        Some(found) if found != *head => {
+            let difference = difference(&found, head);
+            Err(ExperimentError::Other { path: folder.to_owned(), difference })
+        }
+        found => Ok(found.is_some()),
+    };
+    let is_other = |file: &&str| *file != kind.file && folder.join(file).exists();
+    let find_other = || match [SURVEY, EXPERIMENT].iter().find(|file| is_other(file)) {
+        Some(other) => {
+            Err(content(format!("the folder has a file {other}: it holds something else")))
+        }
+        None => Ok(()),
+    };
+    // What is not ours is not touched.
+    if !is_begun()? {
+        find_other()?;
+    }
+    // Only who has the lock begins: of several processes one may have begun something else meanwhile.
+    let (lines, text) = Lines::open(folder)?;
+    if !is_begun()? {
+        find_other()?;
+        if !text.is_empty() {
+            let file = kind.file;
+            return Err(content(format!("there are trials, but no {file} that describes them")));
+        }
+        write(&path, head)?;
+    }
+    Ok((lines, text))
+}
 
 /// Writes the description of a folder as JSON.
 pub(super) fn write<T: Serialize>(path: &Path, head: &T) -> Result<(), ExperimentError> {
@@ -104,6 +163,27 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+
+    #[test]
+    fn nothing_is_begun_in_a_folder_that_is_in_use() {
+        let folder = tempfile::tempdir().unwrap();
+        let kind = Kind { file: EXPERIMENT, what: "an experiment", version: 1 };
+        let begin = |seed: u32| {
+            lock(folder.path(), &kind, &json!({ "version": 1, "seed": seed }), difference)
+        };
+        // Another process has the lock, and has not written yet what it begins.
+        let held = Lines::open(folder.path()).unwrap();
+        assert!(matches!(begin(1), Err(ExperimentError::Busy(_))));
+        assert!(!folder.path().join(EXPERIMENT).exists());
+        drop(held);
+        drop(begin(2).unwrap());
+        assert!(matches!(begin(1), Err(ExperimentError::Other { .. })));
+        let survey = Kind { file: SURVEY, ..kind };
+        let refused = lock(folder.path(), &survey, &json!({ "version": 1 }), difference);
+        let error = refused.unwrap_err().to_string();
+        assert!(error.contains("has a file experiment.json"), "{error}");
+        drop(begin(2).unwrap());
+    }
 
     #[test]
     fn a_difference_is_named_by_its_path() {

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::{Deserialize, Serialize};
 
 use super::design::{Design, Shard, TrialId, policy_name};
 use super::error::ExperimentError;
 use super::head;
-use super::lines::{self, Lines, TRIALS, line};
+use super::lines::{self, Lines, line};
 use super::record::Record;
 use super::site::Site;
 use super::write;
@@ -17,7 +18,8 @@ use super::write;
 pub const EXPERIMENT_VERSION: u32 = 3;
 
 /// The file that describes what a folder holds.
-const HEAD: &str = "experiment.json";
+const HEAD: head::Kind =
+    head::Kind { file: head::EXPERIMENT, what: "an experiment", version: EXPERIMENT_VERSION };
 
 /// What a folder holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,23 +68,7 @@ impl Experiment {
         design.validate()?;
         shard.validate()?;
         let head = Head { version: EXPERIMENT_VERSION, shard, design: design.clone() };
-        write::folder(folder)?;
-        let head_path = folder.join(HEAD);
-        match read_head(&head_path)? {
-            Some(found) if found != head => {
-                let difference = difference(&found, &head);
-                return Err(ExperimentError::Other { path: folder.to_owned(), difference });
-            }
-            Some(_) => {}
-            None => {
-                if folder.join(TRIALS).exists() {
-                    let reason = format!("there are trials, but no {HEAD} that describes them");
-                    return Err(ExperimentError::Content { path: folder.to_owned(), reason });
-                }
-                head::write(&head_path, &head)?;
-            }
-        }
-        let (lines, text) = Lines::open(folder)?;
+        let (lines, text) = head::lock(folder, &HEAD, &head, difference)?;
         let trials = share(&head);
         let records = parse(&text, &head, &lines.path)?;
         let experiment = Experiment { folder: folder.to_owned(), head, trials, records, lines };
@@ -107,7 +93,7 @@ impl Experiment {
         // Locked before anything is deleted: another process may be writing.
         let lines = Lines::emptied(folder)?;
         let head = Head { version: EXPERIMENT_VERSION, shard, design: design.clone() };
-        head::write(&folder.join(HEAD), &head)?;
+        head::write(&folder.join(HEAD.file), &head)?;
         let (folder, trials) = (folder.to_owned(), share(&head));
         Ok(Experiment { folder, head, trials, records: BTreeMap::new(), lines })
     }
@@ -122,7 +108,7 @@ impl Experiment {
         let mut whole: Option<Head> = None;
         let mut records: BTreeMap<usize, Record> = BTreeMap::new();
         for part in parts {
-            let path = part.join(HEAD);
+            let path = part.join(HEAD.file);
             let missing = || ExperimentError::Content {
                 path: path.clone(),
                 reason: "this file does not exist: the folder holds no share".to_owned(),
@@ -160,6 +146,7 @@ impl Experiment {
         let mut merged = Experiment::open(folder, &head.design, Shard::WHOLE)?;
         merged.records = records;
         merged.require_all()?;
+        merged.check_code()?;
         merged.settle()?;
         Ok(merged)
     }
@@ -173,12 +160,19 @@ impl Experiment {
         self.lines.replace(&text)
     }
 
-    /// Runs the first finished trial again.
+    /// Runs the first finished trial of each policy again: another program may differ in one alone.
     fn check_code(&self) -> Result<(), ExperimentError> {
-        let Some(record) = self.records.values().next() else { return Ok(()) };
-        let site = Site::new(&self.head.design, &record.trial)?;
-        let (again, _) = site.run(&self.head.design, &record.trial)?;
-        self.require_same(record, &again)
+        let mut firsts: Vec<&Record> = Vec::new();
+        for record in self.records.values() {
+            if firsts.iter().all(|first| first.trial.policy != record.trial.policy) {
+                firsts.push(record);
+            }
+        }
+        firsts.par_iter().try_for_each(|record| {
+            let site = Site::new(&self.head.design, &record.trial)?;
+            let (again, _) = site.run(&self.head.design, &record.trial)?;
+            self.require_same(record, &again)
+        })
     }
 
     /// The error if a trial gives another result than before.
@@ -248,7 +242,7 @@ fn name(design: &Design, trial: &TrialId) -> String {
 }
 
 fn read_head(path: &Path) -> Result<Option<Head>, ExperimentError> {
-    head::read(path, "an experiment", EXPERIMENT_VERSION)
+    head::read(path, HEAD.what, HEAD.version)
 }
 
 /// The first difference between two experiments.

@@ -247,6 +247,7 @@ fn folders_of_other_experiments_are_refused() {
     fs::write(&head, "no json").unwrap();
     assert!(open(&design, Shard::WHOLE).contains("this is not an experiment"));
     fs::remove_file(&head).unwrap();
+    fs::write(folder.path().join("trials.jsonl"), "a trial\n").unwrap();
     assert!(open(&design, Shard::WHOLE).contains("no experiment.json"));
     // A new experiment works, but not while another process writes to this one.
     drop(Experiment::fresh(folder.path(), &design, Shard::WHOLE).expect("a folder"));

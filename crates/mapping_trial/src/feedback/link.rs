@@ -6,12 +6,12 @@ use envgen::World;
 use envgen::calibration::{Calibration, Dials, Estimate, Prediction};
 use envgen::difficulty::{DifficultyError, DifficultyVector, Platform};
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 use thiserror::Error;
 
 use super::rating::Rating;
 use crate::difficulty::Panel;
 use crate::difficulty::proof::Link;
+use crate::experiment::stats::half_interval;
 use crate::experiment::stats::{Interval, pearson};
 
 /// The fewest sessions that are linked.
@@ -237,11 +237,8 @@ impl RatingLink {
         let deviation = self.link.slope * self.rating_deviation;
         let variance = deviation * deviation * n / (n - 1.0);
         let error = (variance * (1.0 - r) * (2.0 + (1.0 + r) * z * z) / n).sqrt();
-        let half = match StudentsT::new(0.0, 1.0, n - 2.0) {
-            Ok(law) => law.inverse_cdf(0.975) * error,
-            // Any two worlds agree, in one order or the other.
-            Err(_) => f64::INFINITY,
-        };
+        // Any two worlds agree, in one order or the other.
+        let half = half_interval(error, n - 2.0);
         Interval { value, low: value - half, high: value + half }
     }
 }

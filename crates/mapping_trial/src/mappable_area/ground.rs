@@ -5,7 +5,7 @@ use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Shape, edges};
 use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::surface_index::SurfaceIndex;
-use envgen::world::{Extent, Solid, SurfaceKind};
+use envgen::world::{Extent, Solid};
 use glam::DVec2;
 
 use super::frame::{SCORE_CELL, ScoreFrame};
@@ -29,8 +29,7 @@ impl DiscGround {
     pub(super) fn new(world: &World, frame: ScoreFrame, reach: f64, body: Extent) -> Option<Self> {
         let mut wet = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
         let barred = |shape: &Shape| occupy_entered(&mut wet, shape);
-        let surfaces = world.surfaces.iter();
-        let surfaces = surfaces.filter(|s| s.kind == SurfaceKind::Water || s.speed == 0.0);
+        let surfaces = world.surfaces.iter().filter(|surface| surface.is_barrier());
         surfaces.map(|surface| &surface.shape).for_each(barred);
         Some(DiscGround {
             frame,
@@ -57,8 +56,7 @@ impl DiscGround {
 
     /// Whether a robot can drive with its centre at a point.
     pub(super) fn is_dry(&self, p: DVec2) -> bool {
-        let ground = self.grounds.at(p);
-        ground.speed > 0.0 && !ground.water
+        !self.grounds.at(p).is_barrier()
     }
 
     /// The distance up to which clearances are known, in metres.

@@ -142,10 +142,18 @@ impl Frontiers {
         &self.cells[self.clusters[cluster].cells.clone()]
     }
 
-    /// The cell of a cluster that is nearest to a point.
-    pub fn nearest_cell(&self, cluster: usize, p: DVec2) -> Option<CellIndex> {
+    /// The cell of a cluster that is nearest to a point, of those whose middle is wanted if there are any.
+    pub fn nearest_cell(
+        &self,
+        cluster: usize,
+        p: DVec2,
+        wanted: impl Fn(DVec2) -> bool,
+    ) -> Option<CellIndex> {
         let far = |cell: &&CellIndex| cell.centre().distance_squared(p);
-        self.cells(cluster).iter().min_by(|a, b| far(a).total_cmp(&far(b))).copied()
+        let cells = self.cells(cluster).iter();
+        let nearest = cells.clone().filter(|cell| wanted(cell.centre()));
+        let nearest = nearest.min_by(|a, b| far(a).total_cmp(&far(b)));
+        nearest.or_else(|| cells.min_by(|a, b| far(a).total_cmp(&far(b)))).copied()
     }
 
     fn label(&mut self, node: Node, cluster: usize) {

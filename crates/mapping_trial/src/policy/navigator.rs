@@ -69,7 +69,7 @@ impl Navigator {
         }
         self.plan_as_before(view.robot);
         self.look(view, pose);
-        let renewed = self.refresh_if_due(view);
+        let mut renewed = self.refresh_if_due(view);
         // A task may end and another begin in the same tick, but not without a limit.
         for _ in 0..4 {
             let pilot = &mut self.pilots[view.robot];
@@ -101,7 +101,7 @@ impl Navigator {
                     pilot.task = Task::Choose;
                 }
                 Task::Go { .. } => {
-                    if let Some(decision) = self.go(view, pose, renewed) {
+                    if let Some(decision) = self.go(view, pose, &mut renewed) {
                         return Some(decision);
                     }
                 }
@@ -193,29 +193,31 @@ impl Navigator {
         self.frontiers.goals() > 0
     }
 
-    /// Drives on; `None` when the task ends.
-    fn go(&mut self, view: &PolicyInput<'_>, pose: Pose, renewed: bool) -> Option<Decision> {
+    /// Drives on; `None` when the task ends. `renewed` is whether the map has changed since the path was planned.
+    fn go(&mut self, view: &PolicyInput<'_>, pose: Pose, renewed: &mut bool) -> Option<Decision> {
         let pilot = &mut self.pilots[view.robot];
-        let Task::Go { goal, deadline, squeezes, waited } = pilot.task else { return None };
+        let Task::Go { goal, deadline, squeezes } = pilot.task else { return None };
         if let Some(ahead) = other_ahead(view, pose, self.margins.meeting) {
             // The robot with the higher number lets the other pass; after a while both look for
             // another path, on which the other is an obstacle.
-            if ahead < view.robot && waited < PATIENCE * self.margins.slowness {
-                let waited = waited + DECISION;
-                pilot.task = Task::Go { goal, deadline, squeezes, waited };
+            if ahead < view.robot && pilot.waited < PATIENCE * self.margins.slowness {
+                pilot.waited += DECISION;
                 return Some(Decision::Drive(Command::STOP));
             }
-            if renewed {
+            // Once for each renewal: the path that is found then is driven.
+            if std::mem::take(renewed) {
                 pilot.task = Task::Choose;
                 return None;
             }
+        } else {
+            pilot.waited = 0.0;
         }
         if pilot.progress.is_stuck(view.seen.time, pose.position, self.margins.stuck)
             || view.seen.time > deadline
         {
             return self.recover(view, pose, goal, squeezes);
         }
-        if renewed {
+        if *renewed {
             let gone = match goal {
                 Goal::Frontier(at) => !is_left(&self.costmap, at, SAME_FRONTIER),
                 Goal::Place(_) => false,

@@ -13,7 +13,7 @@ use super::frontier::Frontiers;
 use super::guard::Guard;
 use super::search::{GridPlanner, KeepoutZone};
 use super::*;
-use crate::backend::Observation;
+use crate::backend::{Command, Observation};
 use crate::lidar::Scan;
 use crate::map::{Cell, CellIndex, Estimate, OccupancyMap, RESOLUTION};
 
@@ -377,6 +377,56 @@ fn each_robot_plans_again_when_the_map_changes() {
     draw_corridor(&mut map, 180);
     let second = end_of_second(&map, 12, 2).expect("a path");
     assert!((7.0..9.0).contains(&second), "{second}");
+}
+
+#[test]
+fn a_robot_drives_on_past_one_that_stays() {
+    let (body, laser) = (Robot::default(), LaserProfile::default());
+    let mut policy = build(PolicyKind::Nearest, 2, &body, &laser);
+    // A hall of 3 m between walls.
+    let mut map = OccupancyMap::new();
+    for row in -60..60 {
+        for col in -60..200 {
+            let index = CellIndex { col, row };
+            let is_wall = col < -50 || !(-50..50).contains(&row);
+            map.add(index, if is_wall { 200 } else { -200 });
+        }
+    }
+    map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(10.0)));
+    // The first stays in the path of the second.
+    let (first, mut second) = (Pose::new(0.5, 0.0, 0.0), Pose::new(-1.0, 0.0, 0.0));
+    let (mut driven, mut waited) = (0.0, 0);
+    for step in 0..600 {
+        let estimates = [first, second].map(|pose| Estimate { pose, ..Default::default() });
+        let decision = policy.decide(&PolicyInput {
+            robot: 1,
+            estimates: &estimates,
+            map: &map,
+            scan: &Scan { ranges: vec![3.0; 181] },
+            since_scan: Pose::default(),
+            water: &[],
+            seen: &Observation {
+                time: 0.1 * f64::from(step),
+                battery: 100.0,
+                ..Default::default()
+            },
+            body: &body,
+            laser: &laser,
+            area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
+        });
+        let Decision::Drive(command) = decision else {
+            panic!("{decision:?} in decision {step} at {second:?} after {driven} m")
+        };
+        waited += usize::from(command == Command::STOP);
+        second.heading += 0.1 * command.turn_rate;
+        second.position += 0.1 * command.speed * unit_vector(second.heading);
+        driven += 0.1 * command.speed;
+        if second.position.x > 4.0 {
+            break;
+        }
+    }
+    assert!(second.position.x > 4.0, "at {}, {driven} m driven", second.position);
+    assert!((35..100).contains(&waited), "{waited} decisions to wait");
 }
 
 const KINDS: [PolicyKind; 6] = [

@@ -158,7 +158,9 @@ impl LikelihoodField {
         let margin = REACH + largest + 32;
         let half = ((radius / RESOLUTION).ceil().min(f64::from(MOST_CELLS / 2 - 256)) as i32)
             .saturating_add(margin);
-        let middle = (centre / RESOLUTION).floor().as_ivec2();
+        // Far from the limits of the cells' numbers, whatever the point.
+        let middle =
+            (centre / RESOLUTION).floor().clamp(DVec2::splat(-1e9), DVec2::splat(1e9)).as_ivec2();
         let (low, high) = (middle - half, middle + half + 1);
         let (had, top) = (self.origin, self.origin + IVec2::new(self.cols, self.rows));
         if low.cmpge(had).all() && high.cmple(top).all() {
@@ -201,7 +203,11 @@ impl LikelihoodField {
         let cell = floor(scaled);
         let place = ((scaled - cell.as_dvec2()) * f64::from(PLACES)).as_ivec2();
         let place = place.clamp(IVec2::ZERO, IVec2::splat(PLACES - 1));
-        let cell = cell - self.origin;
+        let cell = cell.saturating_sub(self.origin);
+        let is_outside = cell.min_element() < 0 || cell.x >= self.cols || cell.y >= self.rows;
+        if is_outside || p.is_nan() {
+            return;
+        }
         let table = (place.y * PLACES + place.x) as usize;
         for level in &mut self.levels {
             let stamps = &level.stamps;
@@ -286,6 +292,21 @@ mod tests {
                 // The position within a cell is known to 1/8 of it; far tails are cut.
                 assert!((value - expected).abs() < 0.05, "{value} for {expected} at {x}, {y}");
             }
+        }
+    }
+
+    #[test]
+    fn echoes_at_the_end_of_the_world_are_outside() {
+        for far in [1e9, f64::MAX, f64::INFINITY, f64::NAN] {
+            let mut field = LikelihoodField::new(&[1, 4]);
+            field.cover(DVec2::ZERO, 5.0);
+            for sign in [1.0, -1.0] {
+                field.stamp(DVec2::new(sign * far, 0.0));
+                field.stamp(DVec2::new(0.0, sign * far));
+            }
+            assert!(field.cells(0).iter().all(|&cell| cell == 0), "{far}");
+            field.cover(DVec2::splat(far), 5.0);
+            field.stamp(DVec2::splat(far));
         }
     }
 

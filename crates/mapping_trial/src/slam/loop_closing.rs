@@ -96,7 +96,8 @@ struct Progress {
 struct Seen {
     keyframe: usize,
     old: usize,
-    pose: Pose,
+    /// Its pose as seen from the old one: another robot's loop may move both.
+    measured: Pose,
     walls: Vec<WallPiece>,
 }
 
@@ -132,7 +133,8 @@ impl LoopCloser {
         let found = self.old_place(keyframes, newest).and_then(|old| {
             let pose = self.find(keyframes, newest, old)?;
             let walls = walls(&self.field, pose, &keyframes[newest].sweep.echoes);
-            Some(Seen { keyframe: newest, old, pose, walls })
+            let measured = keyframes[old].pose.between(pose);
+            Some(Seen { keyframe: newest, old, measured, walls })
         });
         let Some(seen) = found else {
             self.robots[robot].due = path + PAUSE.0;
@@ -150,7 +152,7 @@ impl LoopCloser {
         }
         self.robots[robot].due = path + PAUSE.1;
         let (first, last) = (&pending[0], pending.last()?);
-        let relations = [first, last].map(|seen| relation(keyframes, seen));
+        let relations = [first, last].map(relation);
         Some(Closed { relations, walls: last.walls.clone() })
     }
 
@@ -231,19 +233,19 @@ impl LoopCloser {
 /// Whether two matches agree with the robot's motion between them.
 fn agree(keyframes: &[Keyframe], a: &Seen, b: &Seen) -> bool {
     let went = keyframes[a.keyframe].pose.between(keyframes[b.keyframe].pose);
-    let found = a.pose.between(b.pose);
+    let at = |seen: &Seen| keyframes[seen.old].pose.compose(seen.measured);
+    let found = at(a).between(at(b));
     went.position.distance(found.position) <= AGREEMENT.0
         && wrap_angle(went.heading - found.heading).abs() <= AGREEMENT.1
 }
 
 /// The information of a match: much across the walls that the scan saw, none along a bare corridor.
-fn relation(keyframes: &[Keyframe], seen: &Seen) -> Relation {
-    let measured = keyframes[seen.old].pose.between(seen.pose);
+fn relation(seen: &Seen) -> Relation {
     Relation {
         from: seen.old,
         to: seen.keyframe,
-        measured,
-        information: held_by_walls(measured, &seen.walls, WALL_VARIANCE),
+        measured: seen.measured,
+        information: held_by_walls(seen.measured, &seen.walls, WALL_VARIANCE),
         is_robust: true,
     }
 }

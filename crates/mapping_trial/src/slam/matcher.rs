@@ -29,6 +29,9 @@ const PRIOR_WEIGHT: f64 = 0.002;
 const NEIGHBOURS: [(i32, i32); 9] =
     [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
 
+/// The most cells of a window on each side of its middle.
+const MOST_STEPS: f64 = 1e3;
+
 /// Greatest number of moves of the refinement at each step size.
 const MOST_MOVES: usize = 64;
 
@@ -201,7 +204,7 @@ impl Matcher {
         window: Window,
         apart: Option<(DVec2, f64)>,
     ) -> Option<Step> {
-        let cells = (window.reach / RESOLUTION).ceil().min(1e3) as i32;
+        let cells = (window.reach / RESOLUTION).ceil().min(MOST_STEPS) as i32;
         let turns = (window.heading_reach / (f64::from(COARSE_ANGLE) * FINE_ANGLE)).ceil();
         let turns = turns.min(4e2) as i32;
         let blocks: Vec<i32> = field.blocks().collect();
@@ -235,7 +238,7 @@ impl Matcher {
             turns,
             excluded: apart.map(|(at, apart)| {
                 let middle = ((at - window.centre.position) / RESOLUTION).round().as_ivec2();
-                (middle, (apart / RESOLUTION).ceil().min(1e3) as i32)
+                (middle, (apart / RESOLUTION).ceil().min(MOST_STEPS) as i32)
             }),
             best: f64::NEG_INFINITY,
             found: Step { x: 0, y: 0, angle: 0 },
@@ -265,7 +268,7 @@ impl Matcher {
             (response - penalty(window, step.x, step.y, step.angle), response)
         };
         let (most, most_angle) = (
-            (window.reach / RESOLUTION).ceil() as i32 * FINE,
+            (window.reach / RESOLUTION).ceil().min(MOST_STEPS) as i32 * FINE,
             (window.heading_reach / FINE_ANGLE).ceil() as i32,
         );
         let inside = |step: Step| step.x.abs() <= most && step.y.abs() <= most;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use envgen::World;
 use envgen::geometry::Pose;
 use envgen::scenario::{Scenario, ScenarioState};
+use glam::DVec2;
 
 use super::clock::Clock;
 use super::command_log::CommandLog;
@@ -21,6 +22,7 @@ use crate::lidar::LaserSensor;
 use crate::mappable_area::MappableArea;
 use crate::odometry::WheelSensor;
 use crate::policy::ExplorationPolicy;
+use crate::robot::Robot;
 use crate::score::{Reference, SweptCells};
 use crate::slam::Slam;
 
@@ -61,6 +63,8 @@ pub struct TrialBuilder<'w> {
     starts: Vec<Pose>,
     /// Area in square metres that can be mapped, if it is known.
     area: Option<f64>,
+    /// The area that a robot can map from a position.
+    measured: Option<(Robot, DVec2, f64)>,
     source: Option<LogWorld>,
     scenario: Option<Scenario>,
 }
@@ -74,6 +78,7 @@ impl<'w> TrialBuilder<'w> {
             parts: TrialParts::default(),
             starts: Vec::new(),
             area: None,
+            measured: None,
             source: None,
             scenario: None,
         }
@@ -182,21 +187,31 @@ impl<'w> TrialBuilder<'w> {
         let start = self.settings.start.or(self.world.start).ok_or(TrialError::NoStart)?;
         self.starts = starts(self.world, start, self.settings.robots, &self.settings.body)?;
         if self.settings.time_per_area.is_some() {
-            let area = match self.area {
-                Some(area) => area,
-                None => self.measure_area(self.starts[0])?,
-            };
-            self.area = Some(area);
+            let area = self.area(self.starts[0])?;
             self.settings.limit_time(area);
         }
         let TrialBuilder { settings, starts, world, .. } = self;
         Ok(Setup { settings, starts, area: world.bounds, scenario: None })
     }
 
-    /// The area in square metres that can be mapped from a start.
-    fn measure_area(&self, start: Pose) -> Result<f64, TrialError> {
-        let area = MappableArea::from_start(self.world, &self.settings.body, start.position)?;
-        Ok(area.free_area())
+    /// The area in square metres that can be mapped from a start: that of the reference, or else measured once for a robot
+    /// and a start.
+    fn area(&mut self, start: Pose) -> Result<f64, TrialError> {
+        if let Some(known) = self.area {
+            return Ok(known);
+        }
+        // The area may raise the charge of the battery, which does not change it.
+        let body = Robot { battery: 1.0, ..self.settings.body.clone() };
+        let found = match self.measured.take() {
+            Some(found) if (&found.0, found.1) == (&body, start.position) => found,
+            _ => {
+                let area = MappableArea::from_start(self.world, &body, start.position)?;
+                (body, start.position, area.free_area())
+            }
+        };
+        let area = found.2;
+        self.measured = Some(found);
+        Ok(area)
     }
 
     /// A trial in the flat simulator.

@@ -188,6 +188,30 @@ fn a_policy_that_fails_ends_the_trial_with_its_reason() {
     assert!(report.scores.coverage > 0.0, "what was mapped so far is scored");
 }
 
+/// Fails for the first robot after two seconds; the others wait.
+struct FirstFails;
+
+impl ExplorationPolicy for FirstFails {
+    fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
+        match view.robot {
+            0 if view.seen.time >= 2.0 => Decision::Failed,
+            _ => Decision::Drive(Command::STOP),
+        }
+    }
+}
+
+#[test]
+fn a_policy_that_fails_for_one_robot_ends_the_trial_of_all() {
+    let settings = TrialSettings { robots: 2, ..short(60.0) };
+    let world = hallway();
+    let builder = Trial::builder(&world, settings).policy(|_| FirstFails);
+    let trial = run(builder.build_flat().expect("a trial"));
+    let end = RobotEnd { reason: EndReason::Failed, tick: 40 };
+    assert_eq!([0, 1].map(|robot| trial.end_of(robot)), [Some(end); 2]);
+    let again = trial.log().replay().expect("its own world");
+    assert_eq!([0, 1].map(|robot| again.end_of(robot)), [Some(end); 2]);
+}
+
 #[test]
 fn commands_that_are_not_finite_are_logged_as_zero() {
     let world = hallway();

@@ -124,6 +124,7 @@ impl<B: RobotBackend> Trial<B> {
             return None;
         }
         let mut commands = vec![Command::STOP; self.starts.len()];
+        let mut has_failed = false;
         for (robot, command) in commands.iter_mut().enumerate() {
             let seen = self.bodies.observe(robot);
             if self.ends[robot].is_some() {
@@ -155,11 +156,19 @@ impl<B: RobotBackend> Trial<B> {
                 }
                 match decision {
                     Decision::Stuck => Some(EndReason::Stuck),
-                    Decision::Failed => Some(EndReason::Failed),
+                    Decision::Failed => {
+                        has_failed = true;
+                        Some(EndReason::Failed)
+                    }
                     Decision::Drive(_) | Decision::Finished => None,
                 }
             };
             self.ends[robot] = end.map(|reason| RobotEnd { reason, tick: self.clock.ticks() });
+        }
+        // A policy that fails has no commands for any robot.
+        if has_failed {
+            self.end(EndReason::Failed);
+            return None;
         }
         // A robot that has nothing left to do waits for the others, which may find more for it.
         let mut robots = self.ends.iter().zip(&self.finished);

@@ -34,7 +34,7 @@ pub(super) fn starts(
     if clearance < radius {
         return Err(TrialError::BlockedStart { start, clearance, radius });
     }
-    if grounds.at(start.position).speed == 0.0 || grounds.at(start.position).water {
+    if grounds.at(start.position).is_barrier() {
         return Err(TrialError::DeepStart { start });
     }
     let mut starts = vec![start];
@@ -58,12 +58,10 @@ pub(super) fn starts(
     });
     while (starts.len() as u32) < robots {
         let free = |p: DVec2| {
-            let ground = grounds.at(p);
             world.bounds.contains(p)
                 && starts.iter().all(|other| other.position.distance(p) >= APART.max(2.5 * radius))
                 && near.clearance(p) >= radius + 0.05
-                && ground.speed > 0.0
-                && !ground.water
+                && !grounds.at(p).is_barrier()
                 && sees(p)
         };
         match places.by_ref().find(|&p| free(p)) {

@@ -6,6 +6,7 @@ use envgen::{Blueprint, Seed, Spec, World};
 use super::*;
 use crate::backend::Command;
 use crate::flat::FlatSimulator;
+use crate::robot::Robot;
 use crate::score::Reference;
 use crate::slam::SlamKind;
 
@@ -98,6 +99,22 @@ fn the_clock_and_the_battery_end_a_trial() {
     let mut settings = short(3.0);
     settings.body.battery = 2.0;
     assert_eq!(end(settings), (Some(EndReason::Battery), 2.0));
+}
+
+#[test]
+fn the_area_that_limits_the_time_is_that_of_the_robot() {
+    let world = hallway();
+    let settings = TrialSettings { time_per_area: Some(60.0), ..short(60.0) };
+    let limit =
+        |builder: &mut TrialBuilder<'_>| builder.setup().expect("a start").settings.time_limit;
+    let narrow = Robot { circumscribed_radius: 0.25, length: 0.44, width: 0.2, ..Robot::default() };
+    let mut builder = TrialBuilder::new(&world, settings.clone());
+    let usual = limit(&mut builder);
+    assert_eq!(limit(&mut builder), usual);
+    let mut changed = builder.settings(|settings| settings.body = narrow.clone());
+    let fresh = TrialSettings { body: narrow, ..settings };
+    assert_eq!(limit(&mut changed), limit(&mut TrialBuilder::new(&world, fresh)));
+    assert!(limit(&mut changed) > usual, "{usual}");
 }
 
 #[test]

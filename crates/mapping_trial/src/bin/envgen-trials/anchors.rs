@@ -5,6 +5,7 @@ use std::error::Error;
 use clap::Args;
 
 use crate::panel::PanelOptions;
+use crate::stdout;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -12,10 +13,8 @@ pub(crate) struct Arguments {
     panel: PanelOptions,
 }
 
-#[expect(clippy::print_stdout, reason = "what the command is for")]
 pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
     let panel = arguments.panel.panel()?;
     let scale = arguments.panel.scale(&panel, threads)?;
-    println!("{}", serde_json::to_string_pretty(&scale)?);
-    Ok(())
+    stdout::print_json(&scale)
 }

@@ -9,6 +9,7 @@ use envgen::located::Locate;
 use mapping_trial::difficulty::{AtlasDesign, Panel};
 use mapping_trial::experiment::Shard;
 
+use crate::stdout;
 use crate::survey;
 
 /// The atlas's design.
@@ -78,11 +79,10 @@ pub(crate) struct Arguments {
     out: PathBuf,
 }
 
-#[expect(clippy::print_stdout, reason = "what the command is for")]
 pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
     let survey = arguments.design.read()?.survey(&Panel::reference())?;
     let out: &Path = &arguments.out;
     let folder = survey::run(&survey, out, arguments.shard, threads)?;
-    println!("wrote {} trials to {}", folder.records().len(), folder.file().display());
-    Ok(())
+    let (count, file) = (folder.records().len(), folder.file().display());
+    Ok(stdout::print(&format!("wrote {count} trials to {file}\n"))?)
 }

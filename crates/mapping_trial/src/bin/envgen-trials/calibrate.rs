@@ -1,6 +1,8 @@
 //! `envgen-trials calibrate`.
 
+use std::collections::BTreeSet;
 use std::error::Error;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,10 +11,11 @@ use envgen::whole_file;
 use envgen::world::Digest;
 use mapping_trial::difficulty::{Anchors, Panel, calibrate, samples};
 use mapping_trial::experiment::Shard;
-use mapping_trial::experiment::survey::{Survey, SurveyFolder};
+use mapping_trial::experiment::survey::{Record, Survey, SurveyFolder};
 
 use crate::atlas::DesignOptions;
 use crate::spinner::spinner;
+use crate::stdout;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -53,15 +56,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
     let design = arguments.design.read()?;
     let survey = design.survey(&panel)?;
+    // In any order, but each share once.
     let of = arguments.atlas.len() as u32;
-    let folders: Result<Vec<SurveyFolder>, _> = arguments
-        .atlas
-        .iter()
-        .zip(1..)
-        .map(|(path, index)| open(&survey, path, Shard { index, of }, arguments.partial))
-        .collect();
-    let folders = folders?;
-    let records: Vec<_> = folders.iter().flat_map(SurveyFolder::records).collect();
+    let mut missing: BTreeSet<u32> = (1..=of).collect();
+    let mut folders = Vec::new();
+    for path in &arguments.atlas {
+        let index = SurveyFolder::shard_of(path)?.index;
+        if !missing.remove(&index) {
+            let name = path.display();
+            return Err(format!("{name}: share {index} of {of} is given twice, or is none").into());
+        }
+        folders.push(open(&survey, path, Shard { index, of }, arguments.partial)?);
+    }
+    let mut records: Vec<&Record> = folders.iter().flat_map(SurveyFolder::records).collect();
+    // As those of one folder, whatever the shares were.
+    records.sort_by_key(|record| (record.map, record.condition, record.noise));
     let spinner = spinner("fitting");
     let samples = samples(&survey, &records, &scale)?;
     let atlas = Atlas {
@@ -74,13 +83,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     };
     let calibration = calibrate(design.kind(), atlas, scale, &samples)?;
     spinner.finish_and_clear();
-    let mut text = serde_json::to_vec_pretty(&calibration)?;
-    text.push(b'\n');
-    write(&arguments.out, &text)?;
+    let mut json = serde_json::to_vec_pretty(&calibration)?;
+    json.push(b'\n');
+    write(&arguments.out, &json)?;
     if let Some(path) = &arguments.table {
         write(path, &mapping_trial::difficulty::table(&samples)?)?;
     }
-    print(&calibration);
+    stdout::print(&text(&calibration))?;
     Ok(())
 }
 
@@ -91,6 +100,10 @@ fn open(
     shard: Shard,
     partial: bool,
 ) -> Result<SurveyFolder, Box<dyn Error>> {
+    // It is only read: none is begun.
+    if !path.is_dir() {
+        return Err(format!("{}: there is no such folder", path.display()).into());
+    }
     let folder = SurveyFolder::open(path, survey, shard)?;
     if !partial && !folder.is_complete() {
         let (done, all) = (folder.records().len(), folder.trials());
@@ -104,18 +117,20 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), Box<dyn Error>> {
         .map_err(|error| format!("{}: {}", path.display(), error.error).into())
 }
 
-#[expect(clippy::print_stdout, reason = "what the command is for")]
-fn print(calibration: &Calibration) {
-    println!("{} worlds, {} trials", calibration.atlas.worlds, calibration.atlas.trials);
+fn text(calibration: &Calibration) -> String {
+    let mut text = String::new();
+    writeln!(text, "{} worlds, {} trials", calibration.atlas.worlds, calibration.atlas.trials).ok();
     let settings = calibration.settings.iter().map(|models| ("settings", models));
     for (name, models) in std::iter::once(("world", &calibration.world)).chain(settings) {
         for (dial, model) in models.models.as_ref().named() {
             let [low, high] = model.standard_errors;
-            println!(
+            writeln!(
+ text,
                 "{dial} from {name}: {} inputs, explains {:.2}, standard error {low:.2} at 0, {high:.2} at 10",
                 models.inputs.len(),
                 model.explained
-            );
+            ).ok();
         }
     }
+    text
 }

@@ -1,6 +1,7 @@
 //! `envgen-trials generate`.
 
 use std::error::Error;
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -9,11 +10,12 @@ use envgen::export::{Job, Output};
 use envgen::indoor::{IndoorSpec, Profile, Request};
 use envgen::located::Locate;
 use envgen::whole_file::commit_all;
-use envgen::{Seed, Spec, WorldBlueprint, WorldKind, WorldSpec};
+use envgen::{Blueprint, Seed, Spec, WorldBlueprint, WorldKind, WorldSpec};
 use mapping_trial::difficulty::{NEAR_REQUEST, Panel, Verified, most_trials, verified};
 
 use crate::panel::PanelOptions;
 use crate::progress;
+use crate::stdout;
 use crate::usage::Usage;
 use crate::warning::warn;
 
@@ -50,7 +52,11 @@ impl Arguments {
                 .split_once('=')
                 .ok_or_else(|| Usage(format!("--set {option}: is not of the form name=value")))?;
             spec.set(name.trim(), value).in_option("--set", option)?;
-            names.push(WorldKind::Indoor.setting(name.trim())?.name);
+            let name = WorldKind::Indoor.setting(name.trim())?.name;
+            if names.contains(&name) {
+                return Err(Usage(format!("--set {option}: `{name}` is set twice")).into());
+            }
+            names.push(name);
         }
         if names.contains(&"candidate") {
             let text = "--set candidate: the trials choose the candidate".to_owned();
@@ -87,10 +93,22 @@ fn robot_radius(panel: &Panel) -> f64 {
     ((100.0 * largest - 1e-9).ceil() / 100.0).max(IndoorSpec::default().robot_radius)
 }
 
+/// Refuses formats that cannot hold an indoor map, before any trial is run: they hold its first candidate or none.
+fn check_formats(outputs: &[Output], spec: &IndoorSpec, seed: Seed) -> Result<(), Box<dyn Error>> {
+    let plan = spec.generate(seed)?;
+    let (world, blueprint) = (plan.to_world(), WorldBlueprint::Indoor(plan));
+    for output in outputs {
+        let job = Job { blueprint: Some(&blueprint), ..Job::for_path(&world, &output.asked) };
+        output.check(&job).map_err(|error| Usage(error.to_string()))?;
+    }
+    Ok(())
+}
+
 pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
     let panel = arguments.panel.panel()?;
     let spec = arguments.spec(&panel)?;
     let outputs = Output::all(&arguments.out, &arguments.panel.inputs())?;
+    check_formats(&outputs, &spec, arguments.seed)?;
     let mut files = outputs.iter().map(Output::create).collect::<Result<Vec<_>, _>>()?;
     let scale = arguments.panel.scale(&panel, threads)?;
     let bar = progress::trials(most_trials(&panel, arguments.seeds) as u64, 0);
@@ -105,21 +123,22 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
         output.write(&job, file)?;
     }
     commit_all(files)?;
-    print(&found, spec.request(), spec.reachable());
+    stdout::print(&text(&found, spec.request(), spec.reachable()))?;
     for text in missed(spec.request(), found.measurement.measured.dials) {
         warn(&text);
     }
     Ok(())
 }
 
-#[expect(clippy::print_stdout, reason = "what the command is for")]
-fn print(found: &Verified, request: Request, reachable: Dials<[f64; 2]>) {
+fn text(found: &Verified, request: Request, reachable: Dials<[f64; 2]>) -> String {
+    let mut text = String::new();
     let measured = &found.measurement.measured;
     for line in compared(request, measured.dials, reachable) {
-        println!("{line}");
+        writeln!(text, "{line}").ok();
     }
     let race = race(request, &found.race);
-    println!("measured by {} fresh trials; the race: {race}", measured.trials);
+    writeln!(text, "measured by {} fresh trials; the race: {race}", measured.trials).ok();
+    text
 }
 
 /// What the race measured of each candidate, by each dial that is requested.

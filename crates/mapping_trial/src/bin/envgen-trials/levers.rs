@@ -1,15 +1,17 @@
 //! `envgen-trials levers`.
 
 use std::error::Error;
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
 use envgen::located::Locate;
 use envgen::whole_file;
-use mapping_trial::difficulty::levers::{LeverDesign, figure};
+use mapping_trial::difficulty::levers::{LeverDesign, LeverLevel, figure};
 use mapping_trial::difficulty::reference_scale;
 use mapping_trial::experiment::Shard;
 
+use crate::stdout;
 use crate::survey;
 
 #[derive(Args)]
@@ -27,7 +29,6 @@ pub(crate) struct Arguments {
     figure: Option<PathBuf>,
 }
 
-#[expect(clippy::print_stdout, reason = "what the command is for")]
 pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
     let design = match &arguments.design {
         None => LeverDesign::first(),
@@ -38,18 +39,20 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     };
     let folder = survey::run(&design.survey()?, &arguments.out, Shard::WHOLE, threads)?;
     let levels = design.levels(reference_scale(), folder.records());
-    println!("{:>14} {:>8}      d             m             n", "", "");
+    let mut text = String::new();
+    writeln!(text, "{:>14} {:>8} maps      d             m             n", "", "").ok();
     for (lever, levels) in design.levers.iter().zip(&levels) {
         for level in levels {
             let dials = level.dials.named().map(|(_, dial)| {
-                format!("{:5.2} +- {:4.2}", dial.value, 1.96 * dial.standard_error)
+                format!("{:5.2} +- {:4.2}", dial.value, level.half_interval(dial))
             });
-            println!("{:>14} {:8} {}", lever.setting, level.value, dials.join(" "));
+            let LeverLevel { value, maps, .. } = level;
+            writeln!(text, "{:>14} {value:8} {maps:4} {}", lever.setting, dials.join(" ")).ok();
         }
     }
     if let Some(path) = &arguments.figure {
         whole_file::write(path, figure(&design.levers, &levels)?.as_bytes())
             .map_err(|error| format!("{}: {}", path.display(), error.error))?;
     }
-    Ok(())
+    Ok(stdout::print(&text)?)
 }

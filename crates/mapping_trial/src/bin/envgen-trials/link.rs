@@ -1,6 +1,7 @@
 //! `envgen-trials link`.
 
 use std::error::Error;
+use std::fmt::Write;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,8 @@ use mapping_trial::feedback::{
 };
 use mapping_trial::trial::{TrialLog, TrialReport};
 use serde::Serialize;
+
+use crate::stdout;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -79,12 +82,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         navigation: ratings(|s| s.ratings.navigation, |s| s.panel.dials.navigation.value),
     };
     let links = Links { sessions, left_out, links };
-    if arguments.json {
-        print_json(&links)
-    } else {
-        print(&links);
-        Ok(())
-    }
+    if arguments.json { stdout::print_json(&links) } else { Ok(stdout::print(&text(&links))?) }
 }
 
 /// A session, or why it is not linked.
@@ -149,51 +147,57 @@ impl DialLink {
     }
 }
 
-#[expect(clippy::print_stdout, reason = "what the command is for")]
-fn print_json(links: &Links) -> Result<(), Box<dyn Error>> {
-    println!("{}", serde_json::to_string_pretty(links)?);
-    Ok(())
-}
-
-#[expect(clippy::print_stdout, reason = "what the command is for")]
-fn print(links: &Links) {
+fn text(links: &Links) -> String {
+    let mut text = String::new();
     let Links { sessions, left_out, links } = links;
     let dials = links.as_ref().named();
-    println!("rating, linked rating with its 95 % interval, and difficulty by the reference panel");
+    writeln!(
+        text,
+        "rating, linked rating with its 95 % interval, and difficulty by the reference panel"
+    )
+    .ok();
     for (i, session) in sessions.iter().enumerate() {
         let source = match session.panel.source {
             DifficultySource::Measured => "measured",
             DifficultySource::Predicted => "predicted",
         };
-        println!("\n{} by {} ({})", session.world, session.operator, session.report.display());
+        writeln!(
+            text,
+            "\n{} by {} ({})",
+            session.world,
+            session.operator,
+            session.report.display()
+        )
+        .ok();
         let panel = session.panel.dials.named();
         for (j, (name, rating)) in session.ratings.named().into_iter().enumerate() {
             let linked = dials[j].1.linked.get(i).map_or_else(String::new, |linked| {
                 format!("{:5.1} ({:.1} to {:.1})", linked.value, linked.low, linked.high)
             });
             let difficulty = panel[j].1;
-            println!(
+            writeln!(
+                text,
                 "{name:>12} {:4.1} {linked:>22}  {source} {:.1} +- {:.1}",
                 rating.value(),
                 difficulty.value,
                 difficulty.standard_error
-            );
+            )
+            .ok();
         }
     }
-    println!();
+    text.push('\n');
     for (name, dial) in dials {
-        match &dial.link {
-            Some(RatingLink { link, sessions, correlation, .. }) => println!(
-                "{name:>12}: {:.2} + {:.2} x rating, from {sessions} sessions in {} worlds, correlation \
-                 {correlation:.2}",
+        let line = match &dial.link {
+            Some(RatingLink { link, sessions, correlation, .. }) => format!(
+                "{:.2} + {:.2} x rating, from {sessions} sessions in {} worlds, correlation {correlation:.2}",
                 link.intercept, link.slope, link.maps
             ),
-            None => {
-                println!("{name:>12}: not linked: {}", dial.failure.as_deref().unwrap_or_default());
-            }
-        }
+            None => format!("not linked: {}", dial.failure.as_deref().unwrap_or_default()),
+        };
+        writeln!(text, "{name:>12}: {line}").ok();
     }
     for reason in left_out {
-        println!("left out: {reason}");
+        writeln!(text, "left out: {reason}").ok();
     }
+    text
 }

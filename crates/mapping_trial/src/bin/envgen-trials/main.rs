@@ -14,6 +14,7 @@ mod panel;
 mod progress;
 mod score;
 mod spinner;
+mod stdout;
 mod survey;
 mod usage;
 mod warning;
@@ -56,13 +57,12 @@ enum Command {
     Calibrate(calibrate::Arguments),
 }
 
-#[expect(clippy::print_stderr, reason = "errors go to stderr")]
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     match run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            warning::print(&format!("error: {error}"));
             ExitCode::from(if usage::is_usage(&*error) { 2 } else { 1 })
         }
     }

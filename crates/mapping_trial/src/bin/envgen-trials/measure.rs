@@ -1,6 +1,7 @@
 //! `envgen-trials measure`.
 
 use std::error::Error;
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -15,6 +16,7 @@ use serde::Serialize;
 
 use crate::panel::PanelOptions;
 use crate::progress;
+use crate::stdout;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -79,12 +81,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     let percentiles = calibration.and_then(|known| known.atlas.percentiles(values));
     let prediction = calibration.and_then(|known| predict(known, &world));
     let report = Report { world: world.provenance.name(), measurement, percentiles, prediction };
-    if arguments.json {
-        print_json(&report)
-    } else {
-        print(&report);
-        Ok(())
-    }
+    if arguments.json { stdout::print_json(&report) } else { Ok(stdout::print(&text(&report))?) }
 }
 
 fn predict(calibration: &Calibration, world: &World) -> Option<Prediction> {
@@ -92,20 +89,16 @@ fn predict(calibration: &Calibration, world: &World) -> Option<Prediction> {
     Some(calibration.predict(&vector))
 }
 
-#[expect(clippy::print_stdout, reason = "what the command is for")]
-fn print_json(report: &Report) -> Result<(), Box<dyn Error>> {
-    println!("{}", serde_json::to_string_pretty(report)?);
-    Ok(())
-}
-
-#[expect(clippy::print_stdout, reason = "what the command is for")]
-fn print(report: &Report) {
+fn text(report: &Report) -> String {
+    let mut text = String::new();
     let Measurement { measured, scores, conditions } = &report.measurement;
-    println!(
+    writeln!(
+        text,
         "{}: {} trials of the panel {:?}, version {}",
         report.world, measured.trials, measured.panel, measured.panel_version
-    );
-    println!("\n{:>12} measured  95 % interval  score  harder than  predicted", "");
+    )
+    .ok();
+    writeln!(text, "\n{:>12} measured  95 % interval  score  harder than  predicted", "").ok();
     let percentiles = report.percentiles.map(Dials::named);
     let predicted = report.prediction.map(|prediction| prediction.dials.named());
     for (i, (name, dial)) in measured.dials.named().into_iter().enumerate() {
@@ -116,17 +109,20 @@ fn print(report: &Report) {
         let harder_than =
             percentiles.map_or_else(String::new, |dials| format!("{:.0} %", dials[i].1));
         let score = scores.named()[i].1;
-        println!(
+        writeln!(
+ text,
             "{name:>12} {:8.2}  {low:5.2} to {high:5.2}  {score:5.2}  {harder_than:>11}  {predicted}",
             dial.value
-        );
+        ).ok();
     }
     if report.prediction.is_some_and(|prediction| prediction.outside > 0.1) {
-        println!("this world is unlike those of the atlas: do not rely on the prediction");
+        writeln!(text, "this world is unlike those of the atlas: do not rely on the prediction")
+            .ok();
     }
-    println!("\n{:>28}     D     M     N  explored", "");
+    writeln!(text, "\n{:>28}     D     M     N  explored", "").ok();
     for one in conditions {
         let [d, m, n] = one.scores.named().map(|(_, score)| score);
-        println!("{:>28} {d:5.2} {m:5.2} {n:5.2}  {}", one.condition, one.explored);
+        writeln!(text, "{:>28} {d:5.2} {m:5.2} {n:5.2}  {}", one.condition, one.explored).ok();
     }
+    text
 }

@@ -1,6 +1,7 @@
 //! `envgen-trials score`.
 
 use std::error::Error;
+use std::fmt::Write;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -19,6 +20,7 @@ use mapping_trial::tum::{self, TimedPose};
 use serde::Serialize;
 
 use crate::spinner::spinner;
+use crate::stdout;
 use crate::warning::warn;
 
 /// The least share of a map's free cells that are ground in a map without a warning.
@@ -157,12 +159,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         mapping: trajectory.as_ref().map(|trajectory| map.mapping(&trajectory.as_is)),
         trajectory,
     };
-    if arguments.json {
-        print_json(&report)
-    } else {
-        print(&report);
-        Ok(())
-    }
+    if arguments.json { stdout::print_json(&report) } else { Ok(stdout::print(&text(&report))?) }
 }
 
 /// The share of the free cells of a map that are ground which the robot can cover.
@@ -224,44 +221,62 @@ fn pose(text: &str) -> Result<Pose, String> {
     }
 }
 
-#[expect(clippy::print_stdout, reason = "what the command is for")]
-fn print_json(report: &Report) -> Result<(), Box<dyn Error>> {
-    println!("{}", serde_json::to_string_pretty(report)?);
-    Ok(())
-}
-
-#[expect(clippy::print_stdout, reason = "what the command is for")]
-fn print(report: &Report) {
+fn text(report: &Report) -> String {
+    let mut text = String::new();
     let Report { world, frame, map, mapping, trajectory, .. } = report;
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     let metres = |distance: f64| format!("{distance:.3} m");
     let some = |distance: Option<f64>| distance.map_or("-".to_owned(), metres);
-    println!(
+    writeln!(
+        text,
         "{world}: {:.0} m^2 to map; the map's frame is at ({:.3}, {:.3}) m, {:.2} degrees\n",
         map.free_area,
         frame.position.x,
         frame.position.y,
         frame.heading.to_degrees()
-    );
-    let row =
-        |name: &str, value: String, meaning: &str| println!("{name:<22}{value:>9}  {meaning}");
+    )
+    .ok();
+    let row = |text: &mut String, name: &str, value: String, meaning: &str| {
+        writeln!(text, "{name:<22}{value:>9}  {meaning}").ok();
+    };
     if let Some(mapping) = mapping {
-        row("M  of mapping", format!("{mapping:.2}"), "walls, use, pose, coverage, from 0 to 10");
+        row(
+            &mut text,
+            "M  of mapping",
+            format!("{mapping:.2}"),
+            "walls, use, pose, coverage, from 0 to 10",
+        );
     }
-    row("coverage", percent(map.coverage), "of the reachable ground shown as free");
-    row("wall precision", percent(map.precision_30), "within 0.30 m");
-    row("wall recall", percent(map.recall_30), "within 0.30 m");
-    row("wall F1", percent(map.f1_30), "within 0.30 m");
-    row("wall F1, strict", percent(map.f1_15), "within 0.15 m");
-    row("wall distance", metres(map.wall_distance), "mean, in both directions, cut at 1 m");
-    row("ghosting", percent(map.ghosting), "of the walls mapped twice");
-    row("navigability", percent(map.navigability), "of 40 paths planned on the map arrive");
-    let Some(trajectory) = trajectory else { return };
-    println!("\n{} poses, {} outside the true trajectory", trajectory.poses, trajectory.outside);
+    row(&mut text, "coverage", percent(map.coverage), "of the reachable ground shown as free");
+    row(&mut text, "wall precision", percent(map.precision_30), "within 0.30 m");
+    row(&mut text, "wall recall", percent(map.recall_30), "within 0.30 m");
+    row(&mut text, "wall F1", percent(map.f1_30), "within 0.30 m");
+    row(&mut text, "wall F1, strict", percent(map.f1_15), "within 0.15 m");
+    row(
+        &mut text,
+        "wall distance",
+        metres(map.wall_distance),
+        "mean, in both directions, cut at 1 m",
+    );
+    row(&mut text, "ghosting", percent(map.ghosting), "of the walls mapped twice");
+    row(
+        &mut text,
+        "navigability",
+        percent(map.navigability),
+        "of 40 paths planned on the map arrive",
+    );
+    let Some(trajectory) = trajectory else { return text };
+    writeln!(
+        text,
+        "\n{} poses, {} outside the true trajectory",
+        trajectory.poses, trajectory.outside
+    )
+    .ok();
     for (of, scores) in [("as it is", trajectory.as_is), ("aligned", trajectory.aligned)] {
-        println!("{of}:");
-        row("trajectory error", metres(scores.trajectory_error), "RMSE");
-        row("relative error", some(scores.relative_error_near), "over 1 m");
-        row("relative error, far", some(scores.relative_error_far), "over 20 m");
+        writeln!(text, "{of}:").ok();
+        row(&mut text, "trajectory error", metres(scores.trajectory_error), "RMSE");
+        row(&mut text, "relative error", some(scores.relative_error_near), "over 1 m");
+        row(&mut text, "relative error, far", some(scores.relative_error_far), "over 20 m");
     }
+    text
 }

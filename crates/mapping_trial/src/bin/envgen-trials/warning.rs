@@ -1,6 +1,13 @@
-//! Warnings on stderr.
+//! Warnings and errors on stderr.
 
-#[expect(clippy::print_stderr, reason = "where warnings belong")]
+use std::io::Write;
+
+/// Prints a warning.
 pub(crate) fn warn(text: &str) {
-    eprintln!("warning: {text}");
+    print(&format!("warning: {text}"));
+}
+
+/// Prints a line. That this fails cannot be reported anywhere.
+pub(crate) fn print(line: &str) {
+    writeln!(std::io::stderr(), "{line}").ok();
 }

@@ -61,7 +61,9 @@ fn draw(
         let color = rgb(colors::MEASURED[color]);
         let point = |level: &LeverLevel| {
             let estimate = level.dials.named()[dial].1;
-            ((level.value, estimate.value), estimate.interval())
+            let half = level.half_interval(estimate);
+            let ends = [estimate.value - half, estimate.value + half];
+            ((level.value, estimate.value), ends.map(|end| end.clamp(0.0, 10.0)))
         };
         let points: Vec<_> = levels.iter().map(point).collect();
         let line = LineSeries::new(points.iter().map(|(at, _)| *at), color.stroke_width(2));

@@ -30,24 +30,61 @@ pub struct Agreement {
 pub fn agreement(requested: &[f64], measured: &[f64]) -> Agreement {
     let mut stream: Stream = Seed(0).stream("proof/bootstrap", 0);
     let found = bootstrap(&vec![0; requested.len()], &mut stream, |drawn| {
-        let pick = |values: &[f64]| drawn.iter().map(|&i| values[i]).collect::<Vec<f64>>();
-        let (x, y) = (pick(requested), pick(measured));
-        let line = line(&x, &y);
-        let n = x.len().max(1) as f64;
-        let errors = || x.iter().zip(&y).map(|(x, y)| (x - y).abs());
-        let error = errors().sum::<f64>() / n;
-        let near = errors().filter(|error| *error <= NEAR_REQUEST).count() as f64 / n;
-        [
-            spearman(&x, &y),
-            kendall_tau(&x, &y),
-            Some(error),
-            line.map(|(slope, _)| slope),
-            line.map(|(_, intercept)| intercept),
-            Some(near),
-        ]
+        statistics(&pick(requested, drawn), &pick(measured, drawn))
     });
-    let [rho, tau, error, slope, intercept, near] = found;
-    Agreement { maps: requested.len(), rho, tau, error, slope, intercept, near }
+    Agreement::new(requested.len(), found)
+}
+
+/// The same of scores of another panel that are linked by the scores of other maps, of the reference panel and of
+/// the other; `dial` makes a difficulty of a score of the reference. The bootstrap draws the maps of the link as well and
+/// fits it again, so that the intervals hold its error. `None` without a link.
+pub(super) fn linked_agreement(
+    (requested, scores): (&[f64], &[f64]),
+    (reference, other): (&[f64], &[f64]),
+    dial: impl Fn(f64) -> f64,
+) -> Option<Agreement> {
+    Link::new(reference, other)?;
+    let (tested, linking) = (requested.len(), other.len());
+    let groups: Vec<usize> = [0].repeat(tested).into_iter().chain([1].repeat(linking)).collect();
+    let mut stream: Stream = Seed(0).stream("proof/bootstrap", 0);
+    let found = bootstrap(&groups, &mut stream, |drawn| {
+        let (drawn, of_link) = drawn.split_at(tested);
+        let of_link: Vec<usize> = of_link.iter().map(|i| i - tested).collect();
+        let link = Link::new(&pick(reference, &of_link), &pick(other, &of_link));
+        link.map_or([None; 6], |link| {
+            let measured: Vec<f64> = drawn.iter().map(|&i| dial(link.apply(scores[i]))).collect();
+            statistics(&pick(requested, drawn), &measured)
+        })
+    });
+    Some(Agreement::new(tested, found))
+}
+
+fn pick(values: &[f64], drawn: &[usize]) -> Vec<f64> {
+    drawn.iter().map(|&i| values[i]).collect()
+}
+
+/// The statistics in the order of [`Agreement`].
+fn statistics(x: &[f64], y: &[f64]) -> [Option<f64>; 6] {
+    let line = line(x, y);
+    let n = x.len().max(1) as f64;
+    let errors = || x.iter().zip(y).map(|(x, y)| (x - y).abs());
+    let error = errors().sum::<f64>() / n;
+    let near = errors().filter(|error| *error <= NEAR_REQUEST).count() as f64 / n;
+    [
+        spearman(x, y),
+        kendall_tau(x, y),
+        Some(error),
+        line.map(|(slope, _)| slope),
+        line.map(|(_, intercept)| intercept),
+        Some(near),
+    ]
+}
+
+impl Agreement {
+    fn new(maps: usize, found: [Option<Interval>; 6]) -> Self {
+        let [rho, tau, error, slope, intercept, near] = found;
+        Agreement { maps, rho, tau, error, slope, intercept, near }
+    }
 }
 
 /// Slope and intercept of the least-squares line; `None` where `x` does not vary.
@@ -112,6 +149,32 @@ mod tests {
         assert!((value(found.error) - error).abs() < 1e-12);
         // At 5, 6 and 7, of which the line has 5.5, 6 and 6.5.
         assert_eq!(value(found.near), 3.0 / 40.0);
+    }
+
+    #[test]
+    fn intervals_of_linked_values_hold_the_error_of_the_link() {
+        let requested: Vec<f64> = (0..60).map(|i| f64::from(i) / 6.0).collect();
+        let scores: Vec<f64> = requested.iter().map(|x| 2.0 * x + 1.0).collect();
+        // Maps that link with errors of up to 1 on both sides.
+        let reference: Vec<f64> = (0..12).map(|i| f64::from(i) * 0.8).collect();
+        let error = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let other: Vec<f64> =
+            reference.iter().enumerate().map(|(i, x)| 2.0 * (x + error(i)) + 1.0).collect();
+        let found = linked_agreement((&requested, &scores), (&reference, &other), |x| x);
+        let found = found.expect("a link");
+        let link = Link::new(&reference, &other).expect("a link");
+        let linked: Vec<f64> = scores.iter().map(|&score| link.apply(score)).collect();
+        let alone = agreement(&requested, &linked);
+        let width = |interval: Option<Interval>| {
+            let Interval { value, low, high } = interval.expect("an interval");
+            (value, high - low)
+        };
+        // The line is exact but for the link.
+        let (slope, wide) = width(found.slope);
+        assert_eq!(slope, width(alone.slope).0);
+        assert!(width(alone.slope).1 < 1e-9 && (0.05..0.6).contains(&wide), "{wide}");
+        assert_eq!(width(found.rho), width(alone.rho));
+        assert!(linked_agreement((&requested, &scores), (&[1.0], &[2.0]), |x| x).is_none());
     }
 
     #[test]

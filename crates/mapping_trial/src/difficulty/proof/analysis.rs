@@ -7,7 +7,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
 use statrs::statistics::Statistics;
 
-use super::agreement::{Agreement, Link, agreement};
+use super::agreement::{Agreement, Link, agreement, linked_agreement};
 use super::design::{Part, ProofDesign};
 use super::run::ProofResult;
 use crate::experiment::stats::{Interval, mean_and_half, spearman};
@@ -152,11 +152,15 @@ pub fn analyse(
             }
             let requested: Vec<f64> = own.iter().map(|result| result.map.requested).collect();
             for (i, panel) in names.iter().enumerate() {
-                let values = |link: Option<Link>| {
-                    let linked = |score: f64| link.map_or(score, |link| link.apply(score));
-                    own.iter().map(|one| dial(linked(one.scores[i]))).collect::<Vec<f64>>()
-                };
-                let raw = agreement(&requested, &values(None));
+                let scores: Vec<f64> = own.iter().map(|one| one.scores[i]).collect();
+                let measured: Vec<f64> = scores.iter().map(|&score| dial(score)).collect();
+                let raw = agreement(&requested, &measured);
+                // The reference links to itself.
+                let linked = (i > 0).then(|| {
+                    let of = |panel: usize| of(Part::Link).iter().map(move |one| one.scores[panel]);
+                    let (reference, other): (Vec<f64>, Vec<f64>) = of(0).zip(of(i)).unzip();
+                    linked_agreement((&requested, &scores), (&reference, &other), dial)
+                });
                 let reliability = reliability(&own, i);
                 let rho = raw.rho.zip(reliability.filter(|share| *share > 0.0));
                 rows.push(Row {
@@ -164,7 +168,7 @@ pub fn analyse(
                     footprint,
                     panel: panel.clone(),
                     raw,
-                    linked: agreement(&requested, &values(links[i])),
+                    linked: linked.flatten().unwrap_or(raw),
                     reliability,
                     rho_without_noise: rho
                         .map(|(rho, share)| (rho.value / share.sqrt()).clamp(-1.0, 1.0)),

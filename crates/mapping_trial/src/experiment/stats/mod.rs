@@ -21,8 +21,8 @@ use serde::Serialize;
 
 pub use components::{Component, Components, Factorial, MeasureComponents, components};
 pub use measure::{MEASURES, MapValues, Measure, map_values};
-pub(crate) use order::mean_and_half;
 pub use order::{Mean, Order, Verdict, order};
+pub(crate) use order::{half_interval, mean_and_half};
 pub(crate) use rank::pearson;
 pub(super) use rank::ranks;
 pub use rank::{Null, spearman};

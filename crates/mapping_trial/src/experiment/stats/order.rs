@@ -134,12 +134,16 @@ pub(crate) fn mean_and_half(values: &[f64]) -> (f64, f64) {
     let value = values.iter().sum::<f64>() / count;
     let squares: f64 = values.iter().map(|x| (x - value) * (x - value)).sum();
     let error = (squares / (count - 1.0) / count).sqrt();
-    let half = match StudentsT::new(0.0, 1.0, count - 1.0) {
-        Ok(law) => law.inverse_cdf(0.975) * error,
-        // One map has no spread: anything is possible.
+    (value, half_interval(error, count - 1.0))
+}
+
+/// Half of Student's interval of 95 % for a standard error of so many degrees of freedom; infinite for none: anything is
+/// possible.
+pub(crate) fn half_interval(standard_error: f64, degrees: f64) -> f64 {
+    match StudentsT::new(0.0, 1.0, degrees) {
+        Ok(law) => law.inverse_cdf(0.975) * standard_error,
         Err(_) => f64::INFINITY,
-    };
-    (value, half)
+    }
 }
 
 #[cfg(test)]

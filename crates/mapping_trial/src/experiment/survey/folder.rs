@@ -15,15 +15,15 @@ use super::site::{Failure, Outcome, Site};
 use crate::experiment::design::Shard;
 use crate::experiment::error::ExperimentError;
 use crate::experiment::head;
-use crate::experiment::lines::{self, Lines, TRIALS, line};
-use crate::experiment::write;
+use crate::experiment::lines::{self, Lines, line};
 use crate::trial::LogWorld;
 
 /// Version of the folders' layout; a folder of another version is refused.
 pub const SURVEY_VERSION: u32 = 2;
 
 /// The file that describes what a folder holds.
-const HEAD: &str = head::SURVEY;
+const HEAD: head::Kind =
+    head::Kind { file: head::SURVEY, what: "a survey", version: SURVEY_VERSION };
 
 /// What a folder holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,21 +96,7 @@ impl SurveyFolder {
         shard.validate()?;
         let kinds = if shard == Shard::WHOLE { one() } else { kinds };
         let head = Head { version: SURVEY_VERSION, shard, kinds, survey: survey.clone() };
-        write::folder(folder)?;
-        let path = folder.join(HEAD);
-        match head::read::<Head>(&path, "a survey", SURVEY_VERSION)? {
-            Some(found) if found != head => {
-                let difference = head::difference(&found, &head);
-                return Err(ExperimentError::Other { path: folder.to_owned(), difference });
-            }
-            Some(_) => {}
-            None if folder.join(TRIALS).exists() => {
-                let reason = format!("there are trials, but no {HEAD} that describes them");
-                return Err(ExperimentError::Content { path: folder.to_owned(), reason });
-            }
-            None => head::write(&path, &head)?,
-        }
-        let (lines, text) = Lines::open(folder)?;
+        let (lines, text) = head::lock(folder, &HEAD, &head, head::difference)?;
         let records = parse(&text, &head, &lines.path)?;
         let folder = SurveyFolder { head, records, lines };
         folder.check_code()?;
@@ -124,6 +110,14 @@ impl SurveyFolder {
     /// A folder that holds none.
     pub fn survey_of(folder: &Path) -> Result<Survey, ExperimentError> {
         Ok(Head::of_share(folder)?.survey)
+    }
+
+    /// The share of a survey that a folder holds. It only reads.
+    ///
+    /// # Errors
+    /// A folder that holds none.
+    pub fn shard_of(folder: &Path) -> Result<Shard, ExperimentError> {
+        Ok(Head::of_share(folder)?.shard)
     }
 
     /// Joins the shares of a survey in a folder of its own. Shares may overlap.
@@ -179,6 +173,7 @@ impl SurveyFolder {
         drop(missing);
         let mut merged = SurveyFolder::open(folder, survey, Shard::WHOLE)?;
         merged.records = records;
+        merged.check_code()?;
         merged.settle()?;
         Ok(merged)
     }
@@ -271,11 +266,18 @@ impl SurveyFolder {
         self.head.all()
     }
 
-    /// Runs the first and the last finished trial again.
+    /// Runs the first finished trial under each condition and the last one again: another program may differ under one
+    /// condition alone.
     fn check_code(&self) -> Result<(), ExperimentError> {
-        let mut finished = self.records.values();
-        let (first, last) = (finished.next(), finished.next_back());
-        first.into_iter().chain(last).try_for_each(|known| self.check_trial(known))
+        let firsts: BTreeMap<u32, &Record> =
+            self.records.values().rev().map(|known| (known.condition, known)).collect();
+        let last = self.records.values().next_back();
+        let known: BTreeSet<Key> = firsts
+            .into_values()
+            .chain(last)
+            .map(|known| (known.map, known.condition, known.noise))
+            .collect();
+        known.par_iter().try_for_each(|key| self.check_trial(&self.records[key]))
     }
 
     /// Runs a finished trial again.
@@ -357,10 +359,10 @@ fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<Key, Record>, 
 impl Head {
     /// What the folder of a share holds.
     fn of_share(folder: &Path) -> Result<Self, ExperimentError> {
-        let path = folder.join(HEAD);
+        let path = folder.join(HEAD.file);
         let content = |reason: String| ExperimentError::Content { path: path.clone(), reason };
         let missing = "this file does not exist: the folder holds no share of a survey";
-        let head = head::read::<Head>(&path, "a survey", SURVEY_VERSION)?
+        let head = head::read::<Head>(&path, HEAD.what, HEAD.version)?
             .ok_or_else(|| content(missing.to_owned()))?;
         head.survey.validate().map_err(|error| content(error.to_string()))?;
         head.shard.validate().map_err(|error| content(error.to_string()))?;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use statrs::statistics::{Data, OrderStatistics};
 
 use super::design::{Condition, Survey};
 use super::ranks::{Ranks, ranks};
@@ -178,10 +179,9 @@ fn group(family: String, condition: String, records: &[&Record]) -> Group {
         coverage: mean(|s| s.coverage),
         time: mean(|s| s.time),
     };
-    let mut errors: Vec<f64> = scores.iter().map(|scores| scores.trajectory_error).collect();
-    errors.sort_by(f64::total_cmp);
-    let quantile = |share: f64| errors[(share * (errors.len() - 1) as f64).round() as usize];
-    (group.median_error, group.high_error) = (quantile(0.5), quantile(0.9));
+    let errors: Vec<f64> = scores.iter().map(|scores| scores.trajectory_error).collect();
+    let mut errors = Data::new(errors);
+    (group.median_error, group.high_error) = (errors.quantile(0.5), errors.quantile(0.9));
     group
 }
 
@@ -201,7 +201,7 @@ const FACETS: [Facet; 4] = [
 
 /// The factors of the conditions with the number of their levels, and the number of the condition
 /// for each combination. If the conditions are not all combinations of policy, laser, odometry and
-/// SLAM, they are the levels of one factor.
+/// SLAM, or differ in anything else, they are the levels of one factor.
 fn factors(conditions: &[Condition]) -> (Vec<(&'static str, usize)>, Vec<usize>) {
     let single = || (vec![("condition", conditions.len())], (0..conditions.len()).collect());
     let mut facets = Vec::new();
@@ -218,7 +218,11 @@ fn factors(conditions: &[Condition]) -> (Vec<(&'static str, usize)>, Vec<usize>)
         }
     }
     let combinations: usize = facets.iter().map(|(_, _, levels)| levels.len()).product();
-    if facets.is_empty() || combinations != conditions.len() {
+    let differ_elsewhere = conditions.iter().zip(conditions.iter().skip(1)).any(|(one, next)| {
+        let Condition { name, policy, driver, laser, odometry, slam, .. } = one.clone();
+        one != &Condition { name, policy, driver, laser, odometry, slam, ..next.clone() }
+    });
+    if facets.is_empty() || combinations != conditions.len() || differ_elsewhere {
         return single();
     }
     let mut order = vec![usize::MAX; combinations];

@@ -98,7 +98,7 @@ impl Navigator {
     /// Chooses a goal and plans the path to it; false if no goal is left.
     pub(super) fn choose(&mut self, view: &PolicyInput<'_>, pose: Pose, aim: &mut Aim<'_>) -> bool {
         self.costmap.refresh(view.map);
-        self.collect_blocks(view);
+        self.collect_blocks(view, pose);
         match aim {
             Aim::Visit(place) => self.plan_visit(view, pose, *place),
             Aim::Explore(choose) => {
@@ -107,7 +107,13 @@ impl Navigator {
                 };
                 let Some(cluster) = self.frontiers.cluster_at(node) else { return false };
                 let point = self.costmap.point(node);
-                let cell = self.frontiers.nearest_cell(cluster, point);
+                // Not one at which a look has failed: it would fail again, and again.
+                let failures = &self.failures;
+                let is_open = |p: DVec2| {
+                    let mut active = failures.iter().filter(|failure| failure.active);
+                    !active.any(|failure| failure.at.distance_squared(p) < FAILED * FAILED)
+                };
+                let cell = self.frontiers.nearest_cell(cluster, point, is_open);
                 let frontier = cell.map_or(point, CellIndex::centre);
                 self.set_path(view, node, Goal::Frontier(frontier), squeezes);
                 true
@@ -151,7 +157,7 @@ impl Navigator {
         }
         if !self.pilots[view.robot].avoid.is_empty() {
             self.pilots[view.robot].avoid.clear();
-            self.collect_blocks(view);
+            self.collect_blocks(view, pose);
             if let Some(node) = self.search_goal(view, pose, fits, restraint, choose) {
                 return Some((node, false));
             }
@@ -208,19 +214,76 @@ impl Navigator {
         pilot.path.set(&mut self.costmap, &self.cells);
         let length = f64::from(cost) / f64::from(COST_PER_METRE);
         let deadline = self.margins.limit(view.seen.time, 30.0) + length / self.margins.slowest;
-        pilot.task = Task::Go { goal, deadline, squeezes, waited: 0.0 };
+        pilot.task = Task::Go { goal, deadline, squeezes };
     }
 
     /// The zones where no path of a robot may lead for now.
-    fn collect_blocks(&mut self, view: &PolicyInput<'_>) {
+    fn collect_blocks(&mut self, view: &PolicyInput<'_>, pose: Pose) {
         let pilot = &mut self.pilots[view.robot];
         pilot.avoid.retain(|(until, _)| *until > view.seen.time);
         self.blocks.clear();
         self.blocks.extend(pilot.avoid.iter().map(|(_, block)| *block));
         let others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
-        self.blocks.extend(others.map(|(_, other)| KeepoutZone {
-            center: other.pose.position,
-            radius: 2.0 * view.body.circumscribed_radius + 0.1,
+        self.blocks.extend(others.map(|(_, other)| {
+            let center = other.pose.position;
+            // Who is nearer already has to get out.
+            let inside = 0.9 * center.distance(pose.position);
+            let radius = (2.0 * view.body.circumscribed_radius + 0.1).min(inside);
+            KeepoutZone { center, radius }
         }));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::geometry::{Rect, unit_vector};
+
+    use super::*;
+    use crate::backend::Observation;
+    use crate::lidar::{LaserProfile, Scan};
+    use crate::map::{Estimate, OccupancyMap};
+    use crate::policy::{Decision, PolicyKind, build};
+    use crate::robot::Robot;
+
+    #[test]
+    fn what_no_look_uncovers_is_given_up() {
+        // A corridor along which a strip stays unknown that is too narrow for the robot.
+        let mut map = OccupancyMap::new();
+        for row in -6..12 {
+            for col in -41..42 {
+                let is_wall = row == -6 || row == 11 || col == -41 || col == 41;
+                if is_wall || row >= -1 {
+                    map.add(CellIndex { col, row }, if is_wall { 200 } else { -200 });
+                }
+            }
+        }
+        map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(3.0)));
+        let (body, laser) = (Robot::default(), LaserProfile::default());
+        let mut policy = build(PolicyKind::Nearest, 1, &body, &laser);
+        let mut pose = Pose::new(0.0, 0.15, 0.0);
+        let mut turned = 0.0;
+        for tick in 0..6000 {
+            let seen = Observation { time: 0.1 * f64::from(tick), ..Default::default() };
+            let decision = policy.decide(&PolicyInput {
+                robot: 0,
+                estimates: &[Estimate { pose, ..Estimate::default() }],
+                map: &map,
+                scan: &Scan { ranges: vec![2.0; laser.beams as usize] },
+                since_scan: Pose::default(),
+                water: &[],
+                seen: &seen,
+                body: &body,
+                laser: &laser,
+                area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
+            });
+            let Decision::Drive(command) = decision else {
+                assert_eq!(decision, Decision::Finished, "at {pose:?}");
+                return;
+            };
+            pose.heading += 0.1 * command.turn_rate;
+            pose.position += 0.1 * command.speed * unit_vector(pose.heading);
+            turned += 0.1 * command.turn_rate.abs();
+        }
+        panic!("it has not ended at {pose:?}, and turned by {turned} rad");
     }
 }

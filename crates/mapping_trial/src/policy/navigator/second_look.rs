@@ -52,12 +52,12 @@ impl Navigator {
             planning.nearest_of(|cluster| wide[cluster])
         };
         let found = self.choose(view, pose, &mut Aim::Explore(&mut wide));
-        if let Task::Go { goal: goal @ Goal::Frontier(_), deadline, waited, .. } =
+        if let Task::Go { goal: goal @ Goal::Frontier(_), deadline, .. } =
             self.pilots[view.robot].task
             && found
         {
             // A goal that is not reached does not count against the robot.
-            self.pilots[view.robot].task = Task::Go { goal, deadline, squeezes: true, waited };
+            self.pilots[view.robot].task = Task::Go { goal, deadline, squeezes: true };
         } else {
             self.plan_for(view.robot, false);
         }

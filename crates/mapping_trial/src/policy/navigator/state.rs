@@ -64,6 +64,8 @@ pub(super) struct Pilot {
     pub(super) pursuit: Pursuit,
     pub(super) task: Task,
     pub(super) progress: Progress,
+    /// Seconds that it has waited for the robot ahead of it.
+    pub(super) waited: f64,
     /// When it last took over the changes of the map.
     pub(super) refreshed: Option<f64>,
     /// Whether it plans for a slimmer robot.
@@ -87,7 +89,7 @@ pub(super) enum Task {
     /// Choose a goal.
     Choose,
     /// Drive to a goal.
-    Go { goal: Goal, deadline: f64, squeezes: bool, waited: f64 },
+    Go { goal: Goal, deadline: f64, squeezes: bool },
     /// Turn to what is unknown around a frontier, and look.
     Look { frontier: DVec2, heading: f64, until: f64 },
     /// Back off from where the robot is stuck.
