@@ -149,7 +149,7 @@ fn draw_scenarios(
 ) {
     for (run, origin, frame) in &runs {
         let place = |p: DVec2| origin.point_in_app(frame, p);
-        for person in run.state().people() {
+        for person in run.now().people() {
             let at = place(person.position);
             gizmos.circle_2d(
                 at,
@@ -159,7 +159,7 @@ fn draw_scenarios(
             let ahead = std::iter::once(&person.position).chain(person.path().iter().rev());
             gizmos.linestrip_2d(ahead.map(|&p| place(p)), color(PERSON));
         }
-        for leaf in run.state().all_leaves() {
+        for leaf in run.now().all_leaves() {
             gizmos.line_2d(place(leaf.hinge), place(leaf.tip), color(CLOSED));
         }
     }

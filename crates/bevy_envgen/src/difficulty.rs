@@ -94,11 +94,15 @@ type Outcome = Result<EnvironmentDifficulty, DifficultyError>;
 /// The computation, while it runs.
 #[derive(Component, Default)]
 #[component(clone_behavior = Ignore)]
-pub(crate) struct DifficultyTask(Option<Task<Outcome>>);
+pub(crate) struct DifficultyTask {
+    running: Option<Task<Outcome>>,
+    /// The request that is, or was, computed.
+    asked: Option<ComputeDifficulty>,
+}
 
 /// An environment and its request.
 type Requested =
-    (Entity, &'static ComputeDifficulty, &'static GroundTruth, &'static mut DifficultyTask);
+    (Entity, &'static ComputeDifficulty, Ref<'static, GroundTruth>, &'static mut DifficultyTask);
 
 /// Either of them is new.
 type Renewed = Or<(Changed<ComputeDifficulty>, Changed<GroundTruth>)>;
@@ -106,10 +110,15 @@ type Renewed = Or<(Changed<ComputeDifficulty>, Changed<GroundTruth>)>;
 /// Starts to compute where the request or the world has changed.
 pub(crate) fn request(mut environments: Query<Requested, Renewed>, mut commands: Commands) {
     for (entity, request, truth, mut task) in &mut environments {
+        // A request that is written again as it was changes nothing.
+        if task.asked.as_ref() == Some(request) && !truth.is_changed() {
+            continue;
+        }
+        task.asked = Some(request.clone());
         commands.entity(entity).try_remove::<(EnvironmentDifficulty, DifficultyFailure)>();
         let (world, platform) = (Arc::clone(&truth.0), request.platform.0.clone());
         let pool = AsyncComputeTaskPool::get_or_init(TaskPool::default);
-        task.0 = Some(pool.spawn(async move { compute(&world, &platform) }));
+        task.running = Some(pool.spawn(async move { compute(&world, &platform) }));
     }
 }
 
@@ -127,9 +136,9 @@ pub(crate) fn collect(
     mut commands: Commands,
 ) {
     for (entity, mut task) in &mut environments {
-        let running = task.bypass_change_detection();
-        let Some(outcome) = running.0.as_mut().and_then(check_ready) else { continue };
-        running.0 = None;
+        let task = task.bypass_change_detection();
+        let Some(outcome) = task.running.as_mut().and_then(check_ready) else { continue };
+        task.running = None;
         let mut root = commands.entity(entity);
         match outcome {
             Ok(difficulty) => {
@@ -169,7 +178,7 @@ fn lose_request(
 
 fn clear(entity: Entity, mut tasks: Query<&mut DifficultyTask>, mut commands: Commands) {
     if let Ok(mut task) = tasks.get_mut(entity) {
-        task.0 = None;
+        *task = DifficultyTask::default();
         commands.entity(entity).try_remove::<(EnvironmentDifficulty, DifficultyFailure)>();
     }
 }

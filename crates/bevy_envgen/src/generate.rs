@@ -44,7 +44,11 @@ pub(crate) fn request_worlds(
     #[cfg(feature = "asset")] assets: Option<Res<Assets<crate::asset::WorldAsset>>>,
 ) {
     for (entity, environment, stream, mut slot, mut state) in &mut environments {
-        let tile = stream.map(|stream| stream.tile);
+        // Endless worlds have tiles of their own.
+        let tile = stream.map(|stream| match environment.extent {
+            EnvironmentExtent::Endless { .. } => 0.0,
+            EnvironmentExtent::Finite => stream.tile,
+        });
         let waits = matches!(slot.job, Job::Asset);
         // Compared by bits, so that a NaN side is refused once and not in every frame.
         let bits = |tile: Option<f64>| tile.map(f64::to_bits);

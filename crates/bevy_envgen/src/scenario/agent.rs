@@ -2,10 +2,12 @@
 
 use bevy::prelude::*;
 use envgen::glam::DVec2;
+use envgen::scenario::TICKS_PER_SECOND;
 
 /// Makes people avoid an entity and react to it, and doors open for it and stop at it, in every scenario.
 ///
-/// The robots of `bevy_mapping_trial` have it. The velocity is that of the entity's last step. One whose radius is not
+/// The robots of `bevy_mapping_trial` have it. The velocity is the mean over the last 1/20 s; who jumps, at more than
+/// 50 m/s, has none. One whose radius is not
 /// a number from 0 to a million, or whose position is not finite, is ignored.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
@@ -17,7 +19,17 @@ pub struct ScenarioAgent {
     at: Option<Vec2>,
     /// Velocity in m/s in the app's space.
     velocity: Vec2,
+    /// Where it was when its velocity was measured last.
+    from: Vec2,
+    /// Seconds since then.
+    elapsed: f32,
 }
+
+/// Velocities are measured over this many seconds at least: a tick. Apps may move an entity in some steps of a frame only.
+const MEASURED: f32 = 1.0 / TICKS_PER_SECOND as f32;
+
+/// What is faster, in m/s, was put elsewhere.
+const FASTEST: f32 = 50.0;
 
 impl ScenarioAgent {
     /// With the radius in metres of a disc that holds the entity.
@@ -54,8 +66,21 @@ pub(super) fn locate(
     for (entity, mut agent) in &mut agents {
         let Ok(transform) = transforms.compute_global_transform(entity) else { continue };
         let at = transform.translation().truncate();
-        let moved = agent.at.map_or(Vec2::ZERO, |from| at - from);
-        let velocity = if dt > 0.0 { moved / dt } else { Vec2::ZERO };
-        agent.set_if_neq(ScenarioAgent { radius: agent.radius, at: Some(at), velocity });
+        let known = agent.bypass_change_detection();
+        let before = (known.at, known.velocity);
+        if known.at.is_none() {
+            known.from = at;
+        }
+        known.at = Some(at);
+        known.elapsed += dt;
+        // A step that is a tick may be shorter by rounding.
+        if known.elapsed > 0.999 * MEASURED {
+            let velocity = (at - known.from) / known.elapsed;
+            known.velocity = if velocity.length() > FASTEST { Vec2::ZERO } else { velocity };
+            (known.from, known.elapsed) = (at, 0.0);
+        }
+        if (known.at, known.velocity) != before {
+            agent.set_changed();
+        }
     }
 }

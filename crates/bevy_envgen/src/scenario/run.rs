@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::ecs::query::QueryItem;
 use bevy::prelude::*;
 use envgen::SpecError;
 use envgen::glam::DVec2;
@@ -31,7 +32,7 @@ pub struct ScenarioRun {
     /// The origin of the world that it runs in.
     pub(super) origin: DVec2,
     pub(super) state: ScenarioState,
-    /// The state after the next tick, as it will be unless something of the app gets in the way. Known while the schedule's
+    /// The state after the next tick, as it will be unless something of the app prevents it. Known while the schedule's
     /// steps are not whole ticks.
     ahead: Option<ScenarioState>,
     /// Where everything is between two ticks.
@@ -160,8 +161,19 @@ impl ScenarioRun {
     }
 }
 
-/// Environments that ask for a scenario, and whether they have a world.
-type Asked = (Entity, Has<GroundTruth>, Has<EndlessTruth>);
+/// The request that began, or failed, last.
+#[derive(Component)]
+#[component(clone_behavior = Ignore)]
+pub(super) struct LastRequest(EnvironmentScenario);
+
+/// Environments that ask for a scenario, and their worlds.
+type Asked = (
+    Entity,
+    &'static EnvironmentScenario,
+    Option<&'static LastRequest>,
+    Option<Ref<'static, GroundTruth>>,
+    Option<Ref<'static, EndlessTruth>>,
+);
 
 /// Either the request or the world has changed.
 type Renewed = (
@@ -171,10 +183,18 @@ type Renewed = (
 
 /// Begins the scenarios whose worlds are there.
 pub(super) fn start(world: &mut World, renewed: &mut QueryState<Asked, Renewed>) {
-    let renewed: Vec<_> = renewed.iter(world).collect();
-    for (entity, has_world, is_endless) in renewed {
+    // A request that is written again as it was changes nothing.
+    let has_changed = |(_, request, last, truth, endless): &QueryItem<'_, '_, Asked>| {
+        let is_same = last.is_some_and(|last| last.0 == **request);
+        let has_other_world = truth.as_ref().is_some_and(Ref::is_changed)
+            || endless.as_ref().is_some_and(Ref::is_changed);
+        (truth.is_some() || endless.is_some()) && (has_other_world || !is_same)
+    };
+    let renewed: Vec<Entity> =
+        renewed.iter(world).filter(has_changed).map(|(entity, ..)| entity).collect();
+    for entity in renewed {
         // A world that its transform does not allow is not spawned either.
-        if (has_world || is_endless) && check_transform(&global_transform(world, entity)).is_ok() {
+        if check_transform(&global_transform(world, entity)).is_ok() {
             begin(world, entity, Switches::default());
         }
     }
@@ -222,7 +242,7 @@ pub(crate) fn remove(world: &mut World, environment: Entity) {
         }
     }
     if let Ok(mut root) = world.get_entity_mut(environment) {
-        root.remove::<(ScenarioRun, ScenarioFailure)>();
+        root.remove::<(ScenarioRun, ScenarioFailure, LastRequest)>();
     }
 }
 
@@ -230,6 +250,7 @@ pub(crate) fn remove(world: &mut World, environment: Entity) {
 fn begin(world: &mut World, entity: Entity, switches: Switches) {
     let Ok(root) = world.get_entity(entity) else { return };
     let Some(request) = root.get::<EnvironmentScenario>() else { return };
+    let last = LastRequest(request.clone());
     let origin = spawned_origin(world, entity);
     let known = root.get::<ScenarioRun>().map(|run| Arc::clone(&run.scenario));
     let made = match root.get::<GroundTruth>() {
@@ -247,7 +268,7 @@ fn begin(world: &mut World, entity: Entity, switches: Switches) {
         Ok((scenario, state)) => {
             let run = spawn(world, (entity, origin), scenario, state);
             if let Ok(mut root) = world.get_entity_mut(entity) {
-                root.insert(ScenarioRun { switches, ..run });
+                root.insert((ScenarioRun { switches, ..run }, last));
             }
             world.write_message(ScenarioStarted { entity });
             world.trigger(ScenarioStarted { entity });
@@ -255,7 +276,7 @@ fn begin(world: &mut World, entity: Entity, switches: Switches) {
         Err(error) => {
             log::warn!("scenario of environment {entity}: {error}");
             if let Ok(mut root) = world.get_entity_mut(entity) {
-                root.insert(ScenarioFailure(error.clone()));
+                root.insert((ScenarioFailure(error.clone()), last));
             }
             world.write_message(ScenarioFailed { entity, error: error.clone() });
             world.trigger(ScenarioFailed { entity, error });

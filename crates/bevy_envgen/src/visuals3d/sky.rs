@@ -93,12 +93,19 @@ pub(super) fn add_skies(
     bare: Query<Entity, Bare>,
     changed: Query<(Entity, &Sky), Renewed>,
     images: Option<ResMut<Assets<Image>>>,
+    mut brightness: Local<Option<f32>>,
+    mut skies: Query<&mut Skybox, With<Sky>>,
     mut commands: Commands,
 ) {
     let Some(mut images) = images else { return };
+    if brightness.replace(settings.brightness) != Some(settings.brightness) {
+        for mut skybox in &mut skies {
+            skybox.brightness = INTENSITY * settings.brightness;
+        }
+    }
     if settings.sky {
         for camera in &bare {
-            commands.entity(camera).insert(Sky::default());
+            commands.entity(camera).try_insert(Sky::default());
         }
     }
     for (camera, sky) in &changed {
@@ -107,6 +114,6 @@ pub(super) fn add_skies(
             brightness: INTENSITY * settings.brightness,
             ..default()
         };
-        commands.entity(camera).insert(skybox);
+        commands.entity(camera).try_insert(skybox);
     }
 }

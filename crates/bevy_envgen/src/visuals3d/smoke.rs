@@ -232,7 +232,7 @@ pub(super) fn measure_depths(
         return;
     }
     for camera in &cameras {
-        commands.entity(camera).insert(DepthPrepass);
+        commands.entity(camera).try_insert(DepthPrepass);
     }
 }
 

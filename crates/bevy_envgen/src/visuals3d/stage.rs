@@ -63,9 +63,10 @@ type Grown = (Entity, Option<&'static GroundTruth>, Option<&'static EndlessTruth
 /// Another world, or another place of it.
 type Renewed = Or<(Changed<GroundTruth>, Changed<EndlessTruth>, Changed<SpawnedOrigin>)>;
 
-/// Builds the stages of worlds that are new or changed, and all when the settings change.
+/// Builds the stages of worlds that are new or changed, and all when the settings of what is in them change.
 pub(super) fn set_stage(
     world: &mut World,
+    mut built_with: Local<Option<Visuals3dSettings>>,
     environments: &mut QueryState<Grown>,
     renewed: &mut QueryState<Entity, Renewed>,
     stages: &mut QueryState<(Entity, &ChildOf), With<Stage>>,
@@ -73,7 +74,13 @@ pub(super) fn set_stage(
     if !can_draw(world) {
         return;
     }
-    let all = world.is_resource_changed::<Visuals3dSettings>();
+    // Compared: a panel that offers them may touch them in every frame.
+    let settings = Visuals3dSettings {
+        sky: false,
+        detail_distance: 0.0,
+        ..*world.resource::<Visuals3dSettings>()
+    };
+    let all = built_with.replace(settings) != Some(settings);
     let stages: BTreeMap<Entity, Entity> =
         stages.iter(world).map(|(stage, parent)| (parent.parent(), stage)).collect();
     let renewed: Vec<Entity> = renewed.iter(world).collect();

@@ -73,10 +73,12 @@ fn an_indoor_map_has_its_vector_and_prediction() {
     assert_eq!(third.vector, vector(&app, root, &platform));
     assert_eq!(third.prediction, None, "predictions are for the default platform");
 
-    // Nothing changes, nothing is reported; and what is not requested is not there.
+    // Nothing changes, nothing is reported, also where the request is written again; and what is not requested is not there.
     let reported = app.world().resource::<Reported>().0.len();
     for _ in 0..5 {
+        app.world_mut().get_mut::<ComputeDifficulty>(root).expect("a request").set_changed();
         app.update();
+        assert!(app.world().get::<EnvironmentDifficulty>(root).is_some());
     }
     assert_eq!(app.world().resource::<Reported>().0.len(), reported);
     app.world_mut().entity_mut(root).remove::<ComputeDifficulty>();

@@ -244,6 +244,64 @@ fn another_world_or_scenario_starts_from_its_beginning() {
 }
 
 #[test]
+fn a_request_that_is_written_again_as_it_was_restarts_nothing() {
+    let (mut app, root) = busy(3);
+    step(&mut app, 20);
+    let people = app.world().get::<ScenarioRun>(root).unwrap().people().to_vec();
+    for _ in 0..20 {
+        app.world_mut().get_mut::<EnvironmentScenario>(root).unwrap().seed = 3;
+        step(&mut app, 1);
+        app.world_mut().entity_mut(root).insert(EnvironmentScenario::new(everything(), 3));
+        step(&mut app, 1);
+    }
+    assert_eq!(app.world().get::<ScenarioRun>(root).unwrap().people(), people);
+    assert!(state(&app, root).tick() > 15);
+    // One that fails is tried again only when something has changed.
+    let many = EnvironmentScenario::new(ScenarioSpec { people: 10_000, ..default() }, 1);
+    app.world_mut().entity_mut(root).insert(many.clone());
+    step(&mut app, 1);
+    let added = |app: &App| {
+        let root = app.world().entity(root);
+        root.get_change_ticks::<ScenarioFailure>().map(|ticks| ticks.added)
+    };
+    let first = added(&app).unwrap();
+    app.world_mut().entity_mut(root).insert(many);
+    step(&mut app, 2);
+    assert_eq!(added(&app), Some(first));
+    app.world_mut().get_mut::<EnvironmentScenario>(root).unwrap().source =
+        EnvironmentScenario::new(everything(), 4).source;
+    step(&mut app, 2);
+    assert_eq!(count(&mut app)[0], 6);
+}
+
+#[test]
+fn agents_that_are_moved_in_jumps_are_not_faster() {
+    let mut app = test_app();
+    let agent = app.world_mut().spawn((Transform::default(), ScenarioAgent::new(0.3))).id();
+    let velocity = |app: &App| {
+        let shown = format!("{:?}", app.world().get::<ScenarioAgent>(agent).unwrap());
+        let from = shown.find("velocity: Vec2(").unwrap() + "velocity: Vec2(".len();
+        shown[from..].split(',').next().unwrap().parse::<f32>().unwrap()
+    };
+    // Half a metre per second, in every second step only.
+    let mut seen = Vec::new();
+    for number in 0..200 {
+        if number % 2 == 0 {
+            app.world_mut().get_mut::<Transform>(agent).unwrap().translation.x += 1.0 / 64.0;
+        }
+        step(&mut app, 1);
+        seen.push(velocity(&app));
+    }
+    assert!(seen[20..].iter().all(|speed| (0.4..0.6).contains(speed)), "{seen:?}");
+    // It is put elsewhere.
+    app.world_mut().get_mut::<Transform>(agent).unwrap().translation.x += 100.0;
+    for _ in 0..10 {
+        step(&mut app, 1);
+        assert!(velocity(&app) < 0.6);
+    }
+}
+
+#[test]
 fn an_environment_that_is_moved_turned_and_resized_takes_them_along() {
     let mut app = test_app();
     let turn = Quat::from_rotation_z(1.0);

@@ -255,6 +255,11 @@ fn a_budget_of_parts_is_kept_and_the_same_in_every_run() {
     assert!(first.iter().any(|frame| frame.3 == 0) && first[0].3 > 0);
 }
 
+fn tiles(app: &mut App) -> Vec<Entity> {
+    let mut tiles = app.world_mut().query_filtered::<Entity, With<Tile>>();
+    tiles.iter(app.world()).collect()
+}
+
 #[test]
 fn changes_of_the_window_are_followed() {
     let mut app = test_app();
@@ -265,6 +270,16 @@ fn changes_of_the_window_are_followed() {
     settle(&mut app);
     assert!(parts(&app, root).len() > 3 * small);
     app.world_mut().get_mut::<StreamAround>(root).unwrap().radius = 20.0;
+    settle(&mut app);
+    assert_eq!(parts(&app, root).len(), small);
+
+    // The same as a component of its own, whose side of tiles is another and not used.
+    let spawned: Vec<Entity> = tiles(&mut app);
+    app.world_mut().entity_mut(root).insert(StreamAround::new(anchor, 50.0));
+    settle(&mut app);
+    let now = tiles(&mut app);
+    assert!(now.len() > spawned.len() && spawned.iter().all(|tile| now.contains(tile)));
+    app.world_mut().entity_mut(root).insert(StreamAround::new(anchor, 20.0));
     settle(&mut app);
     assert_eq!(parts(&app, root).len(), small);
 

@@ -254,6 +254,17 @@ fn each_world_has_one_stage_that_goes_with_it() {
         suns.iter(app.world()).filter(|sun| **sun != Visibility::Hidden).count()
     };
     assert_eq!(shining(&mut app), 1);
+    // Settings that are written again as they were change nothing, others do.
+    let entities = |app: &mut App| -> Vec<Entity> {
+        let mut stages = app.world_mut().query_filtered::<Entity, With<Stage>>();
+        stages.iter(app.world()).collect()
+    };
+    let before = entities(&mut app);
+    for brightness in [1.0, 1.0, 0.5] {
+        app.world_mut().resource_mut::<Visuals3dSettings>().brightness = brightness;
+        step(&mut app, 1);
+        assert_eq!(entities(&mut app) == before, brightness == 1.0);
+    }
     // Another seed is another world.
     app.world_mut().get_mut::<Environment>(roots[0]).unwrap().seed = 9;
     step(&mut app, 3);

@@ -22,6 +22,6 @@ pub struct CameraFrame {
     pub depth: Option<Vec<f32>>,
     /// The label of what is seen, 0 where there is nothing.
     pub labels: Option<Vec<u32>>,
-    /// What labels mean.
+    /// What labels mean; none for a camera of colours alone.
     pub names: Arc<Labels>,
 }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use bevy::ecs::system::SystemParam;
 use bevy::math::DAffine3;
+use bevy::mesh::PrimitiveTopology;
 use bevy::prelude::*;
 use bevy_envgen::ScenarioRun;
 use bevy_envgen::scenario::{Door, DoorLeaf, Person};
@@ -115,10 +116,13 @@ impl Movers<'_, '_> {
             let Some(mesh) = meshes.get(&mesh.0) else { continue };
             let shift = DAffine3::from_translation(-frame.origin);
             let place = shift * frame.to_world * at.affine().as_daffine3();
+            if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
+                continue;
+            }
             // Meshes that only the graphics card holds have neither.
             let positions = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok();
             let (Some(positions), Ok(indices)) =
-                (positions.and_then(|values| values.as_float3()), mesh.try_indices())
+                (positions.and_then(|values| values.as_float3()), mesh.try_indices_option())
             else {
                 continue;
             };
@@ -126,9 +130,13 @@ impl Movers<'_, '_> {
                 .iter()
                 .map(|&p| place.transform_point3(Vec3::from(p).as_dvec3()))
                 .collect();
-            let indices: Vec<usize> = indices.iter().collect();
-            let triangles = indices.as_chunks::<3>().0;
-            all.corners.extend(triangles.iter().map(|triangle| triangle.map(|i| corners[i])));
+            let indices: Vec<usize> = match indices {
+                Some(indices) => indices.iter().collect(),
+                None => (0..corners.len()).collect(),
+            };
+            let triangles = indices.as_chunks::<3>().0.iter();
+            let triangles = triangles.filter(|all| all.iter().all(|&i| i < corners.len()));
+            all.corners.extend(triangles.map(|triangle| triangle.map(|i| corners[i])));
             all.labels.resize(all.corners.len(), label);
             is_drawn = true;
         }

@@ -256,11 +256,6 @@ impl Site<'_, '_> {
         let (Some(device), Some(queue)) = (&self.device, &self.queue) else {
             return Err(CameraError::NoRenderer);
         };
-        let Scenes { pass, known } = &mut *self.scenes;
-        let pass = pass.get_or_insert_with(|| NumberPass::new(device, queue));
-        let has_ceilings = self.visuals.as_ref().is_some_and(|visuals| visuals.ceilings);
-        let state = run.map(ScenarioRun::state);
-        let known = KnownScene::of(known, (entity, truth), state, has_ceilings, pass)?;
         let to_frame = frame.affine().as_daffine3().inverse();
         let mut picture = CameraFrame {
             number: shutter.taken,
@@ -270,9 +265,16 @@ impl Site<'_, '_> {
             color: None,
             depth: None,
             labels: None,
-            names: known.names.clone(),
+            names: Arc::default(),
         };
+        // Colours are those of the app's own meshes.
         if camera.images.depth || camera.images.labels {
+            let Scenes { pass, known } = &mut *self.scenes;
+            let pass = pass.get_or_insert_with(|| NumberPass::new(device, queue));
+            let has_ceilings = self.visuals.as_ref().is_some_and(|visuals| visuals.ceilings);
+            let state = run.map(ScenarioRun::state);
+            let known = KnownScene::of(known, (entity, truth), state, has_ceilings, pass)?;
+            picture.names = known.names.clone();
             let scene = &known.scene;
             let to_world = DAffine3::from_translation(origin.extend(0.0)) * to_frame;
             let frame = SceneFrame { to_world, origin: scene.origin };

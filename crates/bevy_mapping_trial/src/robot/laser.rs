@@ -10,8 +10,9 @@ use mapping_trial::lidar::{Laser, LaserProfile, LaserSensor, ScenarioSight};
 /// It detects all colliders except sensors and the robot's own: walls, other robots and anything else, where their
 /// [`HeightRange`](bevy_envgen::HeightRange) has the laser's height, and dark walls and obstacles only from near.
 /// People, leaves and smoke of scenarios it detects as the flat simulator's laser does. The first scan is taken in the
-/// first step, later ones at the profile's rate; the result is in [`LaserScan`].
+/// first step, later ones at the profile's rate; the result is in [`LaserScan`]. Scenes and clones do not hold it.
 #[derive(Component, Reflect)]
+#[component(clone_behavior = Ignore)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
 #[require(LaserScan)]

@@ -1,6 +1,8 @@
 //! The components of a robot.
 
 use bevy::prelude::*;
+#[cfg(feature = "serialize")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use bevy_envgen::HeightRange;
 use bevy_envgen::scenario::ScenarioAgent;
 use bevy_rapier2d::prelude::{
@@ -23,6 +25,8 @@ use mapping_trial::robot::{Footprint, Robot};
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[require(
     DriveCommand,
     Wheels,
@@ -210,8 +214,9 @@ pub enum RobotCondition {
     Drowned,
 }
 
-/// Measures the motion of a robot with the errors of a profile.
+/// Measures the motion of a robot with the errors of a profile. Scenes and clones do not hold it.
 #[derive(Component, Reflect)]
+#[component(clone_behavior = Ignore)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
 pub struct WheelOdometry {

@@ -56,8 +56,11 @@ pub(super) fn scan(
         let filter = QueryFilter::new().exclude_rigid_body(entity).exclude_sensors();
         let height = model.laser_mount.height;
         let is_met = |entity| {
+            // A body's height is on its own entity, or on that of one of its colliders.
+            let body = || rapier.colliders.collider_parent(rapier.rigidbody_set, entity);
+            let range = heights.get(entity).ok().or_else(|| heights.get(body()?).ok());
+            let is_missed = range.is_some_and(|range| !range.contains(height));
             // People and leaves are seen where the scenario has them.
-            let is_missed = heights.get(entity).is_ok_and(|range| !range.contains(height));
             !is_missed && !scenarios.moves(entity)
         };
         let filter = filter.predicate(&is_met);

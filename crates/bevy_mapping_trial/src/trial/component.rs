@@ -16,10 +16,11 @@ use super::camera::Camera;
 /// the component [`TrialRobot`], and [`TrialStarted`](super::TrialStarted) is triggered. When the
 /// environment gets another world, the trial begins again; while it has none, such as while it is
 /// tilted, there are no robots. Removing the component or despawning the environment removes the
-/// robots. A robot that is despawned ends its part in the trial. The events are
+/// robots. A robot that is despawned ends its part in the trial. Scenes and clones do not hold it. The events are
 /// [`TrialStarted`](super::TrialStarted), [`TrialEnded`](super::TrialEnded) and
 /// [`TrialFailed`](super::TrialFailed).
 #[derive(Component, Reflect)]
+#[component(clone_behavior = Ignore)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
 pub struct MappingTrial {
@@ -145,6 +146,7 @@ impl MappingTrial {
 /// Commands of a person, one per robot, next to a [`MappingTrial`]. While the component exists, they
 /// replace those of the exploration policy. Robots without a command stop.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
+#[component(clone_behavior = Ignore)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ManualControl {

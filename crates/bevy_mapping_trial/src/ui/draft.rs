@@ -155,16 +155,19 @@ fn edit_number(ui: &mut Ui, text: &mut String, (min, max): (f64, f64), unit: &st
         ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY));
         return;
     };
+    // A field that is left writes what it shows: all digits, so that nothing changes.
+    let exact = |value: f64, _| value.to_string();
+    let decimals = if whole { 0 } else { 6 };
     let response = if max - min <= SLIDER_RANGE {
         let slider = Slider::new(&mut value, min..=max).clamping(SliderClamping::Never);
-        let slider = slider.suffix(unit).max_decimals(if whole { 0 } else { 6 });
+        let slider = slider.suffix(unit).max_decimals(decimals).custom_formatter(exact);
         let slider = if whole { slider.step_by(1.0) } else { slider };
         ui.spacing_mut().slider_width = 80.0;
         ui.add(slider)
     } else {
         let speed = if whole { 0.1 } else { (0.01 * value.abs()).max(1e-4) };
-        let decimals = if whole { 0 } else { 6 };
-        ui.add(DragValue::new(&mut value).speed(speed).max_decimals(decimals).suffix(unit))
+        let drag = DragValue::new(&mut value).speed(speed).suffix(unit).max_decimals(decimals);
+        ui.add(drag.custom_formatter(exact))
     };
     if response.changed() {
         *text = value.to_string();

@@ -1,10 +1,11 @@
 //! The panel for the settings of a trial.
 
-use bevy_egui::egui::{Color32, ComboBox, DragValue, RichText, Slider, Ui};
+use bevy_egui::egui::{Color32, ComboBox, DragValue, RichText, Slider, SliderClamping, Ui};
 use envgen::{Seed, SpecError};
+use mapping_trial::backend::TICK;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
-use mapping_trial::trial::{MAX_TIME_LIMIT, TrialSettings};
+use mapping_trial::trial::{MAX_ROBOTS, MAX_TIME_LIMIT, TrialSettings};
 
 use super::draft::help;
 use super::scenario::ScenarioForm;
@@ -58,7 +59,8 @@ impl SetupForm {
         let settings = &mut self.settings;
         row(ui, "robots", &help(&TrialSettings::setting("robots")), |ui| {
             ui.spacing_mut().slider_width = 80.0;
-            ui.add(Slider::new(&mut settings.robots, 1..=4));
+            let slider = Slider::new(&mut settings.robots, 1..=MAX_ROBOTS);
+            ui.add(slider.clamping(SliderClamping::Never));
         });
         choose(ui, "laser", &mut settings.laser);
         choose(ui, "odometry", &mut settings.odometry);
@@ -82,9 +84,11 @@ impl SetupForm {
                 // It follows from the area of the world.
                 Some(seconds) => drop(ui.label(format!("{seconds} s/m²"))),
                 None => {
-                    let seconds =
-                        DragValue::new(&mut settings.time_limit).range(1.0..=MAX_TIME_LIMIT);
-                    ui.add(seconds.speed(5.0).suffix(" s"));
+                    // A field that is left writes what it shows: all digits, so that nothing changes.
+                    let seconds = DragValue::new(&mut settings.time_limit)
+                        .range(TICK..=MAX_TIME_LIMIT)
+                        .custom_formatter(|value, _| value.to_string());
+                    ui.add(seconds.speed(5.0).max_decimals(0).suffix(" s"));
                 }
             }
         });

@@ -28,6 +28,8 @@ mod sights;
 mod trail;
 mod trial_view;
 
+use std::marker::PhantomData;
+
 use bevy::asset::AssetEventSystems;
 use bevy::camera::CameraUpdateSystems;
 use bevy::camera::visibility::{RenderLayers, VisibilitySystems};
@@ -83,14 +85,21 @@ pub trait WatchTrials {
 
 impl WatchTrials for App {
     fn watch_trials<T: WatchTrial>(&mut self) -> &mut Self {
-        // Two plugins may register the same component; it then already requires a view.
-        if self.try_register_required_components::<T, TrialView>().is_ok() {
+        // Two plugins may register the same component.
+        if !self.world().contains_resource::<IsWatched<T>>() {
+            self.insert_resource(IsWatched::<T>(PhantomData));
+            // An app may have registered a view of its own, or have spawned trials before.
+            self.try_register_required_components::<T, TrialView>().ok();
             self.add_observer(forget::<T>);
             self.add_systems(PostUpdate, draw::<T>.in_set(TrialViewSystems::Draw));
         }
         self
     }
 }
+
+/// Notes that the trials of a component are drawn.
+#[derive(Resource)]
+struct IsWatched<T: WatchTrial>(PhantomData<fn() -> T>);
 
 /// The systems that draw trials, in this order, in `PostUpdate`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -1,6 +1,8 @@
 //! What lasers of a height see in rapier, and what stops robots of a height.
 
 use bevy::prelude::*;
+use bevy_envgen::HeightRange;
+use bevy_envgen::bevy_rapier2d::prelude::{Collider, RigidBody};
 use bevy_envgen::physics::{ColliderMerging, ColliderSettings, EnvironmentColliders};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, spawn_ready, step, test_app_with};
@@ -185,4 +187,31 @@ fn other_settings_replace_the_colliders_that_are_there() {
     assert_eq!(colliders(ColliderSettings { lintels: true, ..single }), 8);
     assert_eq!(colliders(ColliderSettings { lintels: true, sensors: false, ..merged }), 2);
     assert_eq!(colliders(single), 7);
+}
+
+#[test]
+fn a_body_whose_colliders_are_children_is_as_high_for_lasers_as_for_robots() {
+    let mut app = test_app_with((EnvgenPlugins::default(), RobotPlugin::default()));
+    spawn_ready(&mut app, Environment::prebuilt(corridor())).unwrap();
+    let sensor = LaserScanner::new(LaserProfile { ticks_a_scan: 1, ..LaserProfile::USARSIM }, 1, 0);
+    let at = Transform::from_xyz(1.0, 1.0, 0.0);
+    let robot = app.world_mut().spawn((RobotModel(Robot::default()), at, sensor)).id();
+    let ahead = |app: &App| app.world().get::<LaserScan>(robot).unwrap().ranges[90];
+    step(&mut app, 4);
+    let free = ahead(&app);
+    // A shelf over the laser, and then one before it.
+    let shelf = app
+        .world_mut()
+        .spawn((
+            RigidBody::Fixed,
+            Transform::from_xyz(4.0, 1.0, 0.0),
+            HeightRange { bottom: 0.7, top: 1.0 },
+            children![(Collider::cuboid(0.3, 0.9), Transform::default())],
+        ))
+        .id();
+    step(&mut app, 4);
+    assert!((ahead(&app) - free).abs() < 0.1, "{} of {free}", ahead(&app));
+    app.world_mut().entity_mut(shelf).insert(HeightRange { bottom: 0.0, top: 1.0 });
+    step(&mut app, 4);
+    assert!((ahead(&app) - 2.5).abs() < 0.3, "{}", ahead(&app));
 }

@@ -398,3 +398,38 @@ fn parts_of_ones_own_drive_robots_in_rapier() {
     assert_eq!(again.trajectory(0), trial.trajectory(0));
     assert!(again.autonomy().scan(0).ranges.iter().any(|range| range.is_finite()));
 }
+
+#[test]
+fn scenes_leave_trials_and_sensors_out() {
+    use bevy::ecs::entity::EntityHashMap;
+    use bevy::world_serialization::DynamicWorldBuilder;
+    let mut app = app(20.0);
+    let environment = Environment::new(HallwaySpec { segments: 4, ..Default::default() }, 7);
+    let trial = (MappingTrial::new(short(5.0)), ManualControl::default());
+    let root = app.world_mut().spawn((environment, trial)).id();
+    bevy_envgen::testing::wait_until_ready(&mut app, root).unwrap();
+    for _ in 0..200 {
+        if !app.world().get::<MappingTrial>(root).unwrap().robots().is_empty() {
+            break;
+        }
+        step(&mut app, 1);
+    }
+    step(&mut app, 10);
+    let robot = app.world().get::<MappingTrial>(root).unwrap().robots()[0];
+    let scene = {
+        let registry = app.world().resource::<AppTypeRegistry>().read();
+        DynamicWorldBuilder::from_world(app.world(), &registry)
+            .deny_component::<ChildOf>()
+            .deny_component::<Children>()
+            .extract_entities([root, robot].into_iter())
+            .build()
+    };
+    let mut entities = EntityHashMap::default();
+    scene.write_to_world(app.world_mut(), &mut entities).unwrap();
+    let [root, robot] = [entities[&root], entities[&robot]];
+    bevy_envgen::testing::wait_until_ready(&mut app, root).unwrap();
+    assert!(!app.world().entity(root).contains::<MappingTrial>());
+    assert!(!app.world().entity(robot).contains::<LaserScanner>());
+    assert!(!app.world().entity(robot).contains::<WheelOdometry>());
+    assert!(app.world().entity(robot).contains::<RobotModel>());
+}
