@@ -201,6 +201,24 @@ fn tell<B: RobotBackend>(
     let scoring = spinner("scoring");
     let mut report = trial.report(world, truth)?;
     scoring.finish_and_clear();
+    let writing = spinner("writing");
+    let mut paths = output::write(&arguments.out, trial, truth, &report)?;
+    writing.finish_and_clear();
+    // Before the scores, which would influence the ratings; the pictures can be looked at.
+    let asked = arguments.form.then(|| {
+        say(arguments, format_args!("the pictures are in {}\n", arguments.out.display()))?;
+        let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
+        ask(&report.session(), &mut answers, &mut questions)
+    });
+    if let Some(Ok(feedback)) = &asked {
+        report.feedback = Some(feedback.clone());
+        paths = output::write(&arguments.out, trial, truth, &report)?;
+    }
+    // Whatever becomes of form and table, the files are whole.
+    if let Some(bag) = bag {
+        paths.extend(bag.finish(trial, world, &report)?);
+    }
+    asked.transpose()?;
     say(
         arguments,
         format_args!(
@@ -210,17 +228,7 @@ fn tell<B: RobotBackend>(
             trial.time() / seconds
         ),
     )?;
-    if arguments.form {
-        let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
-        report.feedback = Some(ask(&report.session(), &mut answers, &mut questions)?);
-    }
-    let writing = spinner("writing");
-    let mut paths = output::write(&arguments.out, trial, truth, &report)?;
-    if let Some(bag) = bag {
-        paths.extend(bag.finish(trial, world, &report)?);
-    }
     paths.extend(pictures);
-    writing.finish_and_clear();
     for path in paths {
         say(arguments, format_args!("wrote {}\n", path.display()))?;
     }

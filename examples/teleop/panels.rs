@@ -151,6 +151,9 @@ fn preview(ui: &mut Ui, session: &mut Session) {
     }
     let seed = session.preview.world().map_or(session.spec.seed(), |world| session.seed_in(world));
     let scenario = session.setup.scenario.request().ok();
+    if let Some(world) = session.preview.world().cloned() {
+        session.note_shown(&world);
+    }
     session.preview.show(ui, scenario.as_ref().map(|spec| (spec, seed)));
 }
 

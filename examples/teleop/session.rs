@@ -14,6 +14,7 @@ use bevy_mapping_trial::ui::{
 };
 use bevy_mapping_trial::view::{ShowIn3d, TrialView};
 use envgen::located::{Locate, Located};
+use envgen::world::Digest;
 use envgen::{Seed, WorldKind, whole_file};
 use mapping_trial::feedback::Feedback;
 use mapping_trial::names::Named;
@@ -78,8 +79,10 @@ pub(crate) struct Session {
     out: PathBuf,
     /// The folder of the current or last trial.
     folder: PathBuf,
-    /// Whether the true world was shown during the trial.
-    truth_seen: bool,
+    /// The worlds that the person has seen as they are: trials in them are not blind.
+    shown: Vec<Digest>,
+    /// The last of them.
+    last_shown: Option<Arc<envgen::World>>,
     saving: Saving,
     /// Whether the world was read from a file, not generated from a spec.
     from_file: bool,
@@ -126,7 +129,8 @@ impl Session {
             message: String::new(),
             out: arguments.out.clone(),
             folder: arguments.out.clone(),
-            truth_seen: training,
+            shown: Vec::new(),
+            last_shown: None,
             saving: Saving::default(),
             from_file,
             begins: arguments.policy.is_some(),
@@ -192,7 +196,9 @@ impl Session {
                 self.comparison = None;
                 self.message = String::new();
                 self.phase = Phase::Running;
-                self.truth_seen = self.setup.training;
+                if self.setup.training {
+                    self.note_shown(&truth.0);
+                }
                 self.folder = folder;
                 let view = TrialView { truth: self.setup.training, ..default() };
                 let mut world = commands.entity(self.world);
@@ -240,14 +246,14 @@ impl Session {
             self.form = Some(FeedbackForm::new(report.session()));
             self.phase = Phase::Form;
         }
-        if self.truth_seen {
-            self.mark_training();
-        }
+        let marked =
+            if self.shown.contains(&world.digest()) { self.mark_training() } else { Ok(()) };
         let written = output::folder(&self.folder)
             .and_then(|folder| output::write(folder, trial, &truth, &report));
-        self.message = match written {
-            Ok(_) => format!("saved in {}", self.folder.display()),
-            Err(error) => error.to_string(),
+        self.message = match (written, marked) {
+            (Ok(_), Ok(())) => format!("saved in {}", self.folder.display()),
+            (Ok(_), Err(error)) => format!("saved in {}: {error}", self.folder.display()),
+            (Err(error), _) => error.to_string(),
         };
         self.report = Some(report);
         self.truth = Some(Arc::new(truth));
@@ -270,11 +276,19 @@ impl Session {
         }
     }
 
-    /// Marks the folder of a trial during which the true world was shown: its scores are not blind.
-    fn mark_training(&mut self) {
+    /// Marks the folder of a trial in a world that was shown before or during it: its scores are not blind.
+    fn mark_training(&mut self) -> std::io::Result<()> {
         let marked = marked(&self.folder);
-        if std::fs::rename(&self.folder, &marked).is_ok() {
-            self.folder = marked;
+        std::fs::rename(&self.folder, &marked)?;
+        self.folder = marked;
+        Ok(())
+    }
+
+    /// Notes that the person sees a true world. It stays known to them in later trials.
+    pub(crate) fn note_shown(&mut self, world: &Arc<envgen::World>) {
+        if !self.last_shown.as_ref().is_some_and(|last| Arc::ptr_eq(last, world)) {
+            self.shown.push(world.digest());
+            self.last_shown = Some(Arc::clone(world));
         }
     }
 
@@ -313,7 +327,9 @@ impl Session {
             TrialAction::Stop => self.finish(trial, truth),
             TrialAction::Training => {
                 self.setup.training = !self.setup.training;
-                self.truth_seen |= self.setup.training;
+                if self.setup.training {
+                    self.note_shown(&truth.0);
+                }
                 view.truth = self.setup.training;
             }
             TrialAction::NextRobot => {
