@@ -112,6 +112,9 @@ fn bad_arguments_end_with_2_and_bad_worlds_with_1() {
     ] {
         assert_eq!(code("room.ron", &options), Some(2), "{options:?}");
     }
+    // What has no end does not fill the memory.
+    #[cfg(target_os = "linux")]
+    assert_eq!(code("room.ron", &["--robot", "/dev/zero"]), Some(2));
     assert_eq!(code("room.zip", &[]), Some(2));
     assert_eq!(code("bad.ron", &[]), Some(1));
     assert_eq!(code("missing.ron", &[]), Some(1));

@@ -9,6 +9,7 @@ use envgen::located::Locate;
 use mapping_trial::difficulty::{AtlasDesign, Panel};
 use mapping_trial::experiment::Shard;
 
+use crate::read;
 use crate::stdout;
 use crate::survey;
 
@@ -60,7 +61,7 @@ impl DesignOptions {
 
     pub(crate) fn read(&self) -> Result<AtlasDesign, Box<dyn Error>> {
         let Some(path) = &self.design else { return Ok(self.kind.design()) };
-        let text = std::fs::read_to_string(path).in_file(path)?;
+        let text = read::text(path)?;
         Ok(AtlasDesign::from_ron(&text).in_file(path)?)
     }
 }

@@ -11,6 +11,7 @@ use mapping_trial::difficulty::levers::{LeverDesign, LeverLevel, figure};
 use mapping_trial::difficulty::reference_scale;
 use mapping_trial::experiment::Shard;
 
+use crate::read;
 use crate::stdout;
 use crate::survey;
 
@@ -33,7 +34,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     let design = match &arguments.design {
         None => LeverDesign::first(),
         Some(path) => {
-            let text = std::fs::read_to_string(path).in_file(path)?;
+            let text = read::text(path)?;
             LeverDesign::from_ron(&text).in_file(path)?
         }
     };

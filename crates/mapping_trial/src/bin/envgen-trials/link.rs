@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::fmt::Write;
-use std::fs::{self, File};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -15,6 +15,7 @@ use mapping_trial::feedback::{
 use mapping_trial::trial::{TrialLog, TrialReport};
 use serde::Serialize;
 
+use crate::read;
 use crate::stdout;
 
 #[derive(Args)]
@@ -87,7 +88,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
 /// A session, or why it is not linked.
 fn session(path: &Path) -> Result<Result<Session, String>, Box<dyn Error>> {
-    let text = fs::read_to_string(path).in_file(path)?;
+    let text = read::text(path)?;
     let report: TrialReport = serde_json::from_str(&text).in_file(path)?;
     // Of the path as a whole: a name alone has no folder.
     let whole = std::path::absolute(path).in_file(path)?;

@@ -12,6 +12,7 @@ mod link;
 mod measure;
 mod panel;
 mod progress;
+mod read;
 mod score;
 mod spinner;
 mod stdout;

@@ -17,6 +17,7 @@ use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 
+use crate::read;
 use crate::survey;
 use crate::usage::Usage;
 use crate::warning::warn;
@@ -79,12 +80,10 @@ impl PanelOptions {
     fn changed_panel(&self) -> Result<Panel, Box<dyn Error>> {
         let mut panel = match &self.panel {
             None => Panel::reference(),
-            Some(path) => {
-                Panel::from_ron(&std::fs::read_to_string(path).in_file(path)?).in_file(path)?
-            }
+            Some(path) => Panel::from_ron(&read::text(path)?).in_file(path)?,
         };
         let robot = self.robot.as_ref().map(|path| {
-            let text = std::fs::read_to_string(path).in_file(path)?;
+            let text = read::text(path)?;
             Ok::<_, Box<dyn Error>>((path, Robot::from_ron(&text).in_file(path)?))
         });
         if let Some((path, robot)) = robot.transpose()? {

@@ -19,6 +19,7 @@ use mapping_trial::score::{
 use mapping_trial::tum::{self, TimedPose};
 use serde::Serialize;
 
+use crate::read;
 use crate::spinner::spinner;
 use crate::stdout;
 use crate::warning::warn;
@@ -111,9 +112,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let world = import::read_world(path).in_file(path)?;
     let robot = match &arguments.robot {
         None => Robot::default(),
-        Some(path) => {
-            Robot::from_ron(&std::fs::read_to_string(path).in_file(path)?).in_file(path)?
-        }
+        Some(path) => Robot::from_ron(&read::text(path)?).in_file(path)?,
     };
     let start = arguments.start.or(world.start);
     let start = start.ok_or("the world has no start: use --start X,Y,HEADING").in_file(path)?;
@@ -170,7 +169,7 @@ fn ground_share(ros_map: &RosMap, scores: &MapScores) -> f64 {
 }
 
 fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {
-    Ok(tum::read(&std::fs::read_to_string(path).in_file(path)?).in_file(path)?)
+    Ok(tum::read(&read::text(path)?).in_file(path)?)
 }
 
 /// Scores an estimated trajectory at its own times.
