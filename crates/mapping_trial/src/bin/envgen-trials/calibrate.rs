@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let index = SurveyFolder::shard_of(path)?.index;
         if !missing.remove(&index) {
             let name = path.display();
-            return Err(format!("{name}: share {index} of {of} is given twice, or is none").into());
+            return Err(format!("{name}: share {index}, expected each of 1 to {of} once").into());
         }
         folders.push(open(&survey, path, Shard { index, of }, arguments.partial)?);
     }
