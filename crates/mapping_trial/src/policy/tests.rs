@@ -19,6 +19,28 @@ use crate::map::{Cell, CellIndex, Estimate, OccupancyMap, RESOLUTION};
 
 const SPAN: i32 = 80;
 
+/// The input of a policy that asks for one of several robots in a wide area.
+pub(in crate::policy) fn input<'a>(
+    robot: usize,
+    estimates: &'a [Estimate],
+    (map, scan): (&'a OccupancyMap, &'a Scan),
+    seen: &'a Observation,
+    (body, laser): (&'a Robot, &'a LaserProfile),
+) -> PolicyInput<'a> {
+    PolicyInput {
+        robot,
+        estimates,
+        map,
+        scan,
+        since_scan: Pose::default(),
+        water: &[],
+        seen,
+        body,
+        laser,
+        area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
+    }
+}
+
 /// A map of random boxes in a free square, and the revision of each box.
 fn boxes(seed: u64, count: u32, map: &mut OccupancyMap, mut after: impl FnMut(&OccupancyMap)) {
     let mut stream = Seed(seed).stream("test/boxes", 0);
@@ -350,22 +372,17 @@ fn each_robot_plans_again_when_the_map_changes() {
     let mut end_of_second = |map: &OccupancyMap, from: i32, seconds: i32| {
         for step in 10 * from..10 * (from + seconds) {
             for robot in 0..2 {
-                policy.decide(&PolicyInput {
+                policy.decide(&input(
                     robot,
-                    estimates: &estimates,
-                    map,
-                    scan: &Scan { ranges: vec![1.0; 181] },
-                    since_scan: Pose::default(),
-                    water: &[],
-                    seen: &Observation {
+                    &estimates,
+                    (map, &Scan { ranges: vec![1.0; 181] }),
+                    &Observation {
                         time: 0.1 * f64::from(step),
                         battery: 100.0,
                         ..Default::default()
                     },
-                    body: &body,
-                    laser: &laser,
-                    area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
-                });
+                    (&body, &laser),
+                ));
             }
         }
         policy.path(1).last().map(|end| end.x)
@@ -383,7 +400,7 @@ fn each_robot_plans_again_when_the_map_changes() {
 fn a_robot_drives_on_past_one_that_stays() {
     let (body, laser) = (Robot::default(), LaserProfile::default());
     let mut policy = build(PolicyKind::Nearest, 2, &body, &laser);
-    // A hall of 3 m between walls.
+    // A hall of 5 m between walls.
     let mut map = OccupancyMap::new();
     for row in -60..60 {
         for col in -60..200 {
@@ -398,22 +415,13 @@ fn a_robot_drives_on_past_one_that_stays() {
     let (mut driven, mut waited) = (0.0, 0);
     for step in 0..600 {
         let estimates = [first, second].map(|pose| Estimate { pose, ..Default::default() });
-        let decision = policy.decide(&PolicyInput {
-            robot: 1,
-            estimates: &estimates,
-            map: &map,
-            scan: &Scan { ranges: vec![3.0; 181] },
-            since_scan: Pose::default(),
-            water: &[],
-            seen: &Observation {
-                time: 0.1 * f64::from(step),
-                battery: 100.0,
-                ..Default::default()
-            },
-            body: &body,
-            laser: &laser,
-            area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
-        });
+        let decision = policy.decide(&input(
+            1,
+            &estimates,
+            (&map, &Scan { ranges: vec![3.0; 181] }),
+            &Observation { time: 0.1 * f64::from(step), battery: 100.0, ..Default::default() },
+            (&body, &laser),
+        ));
         let Decision::Drive(command) = decision else {
             panic!("{decision:?} in decision {step} at {second:?} after {driven} m")
         };
@@ -455,18 +463,13 @@ fn ask(map: &OccupancyMap, estimate: Estimate, scan: &Scan, robots: usize) -> Ve
                     ..Default::default()
                 };
                 for robot in 0..robots {
-                    last = policy.decide(&PolicyInput {
+                    last = policy.decide(&input(
                         robot,
-                        estimates: &estimates,
-                        map,
-                        scan,
-                        since_scan: Pose::default(),
-                        water: &[],
-                        seen: &seen,
-                        body: &body,
-                        laser: &laser,
-                        area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
-                    });
+                        &estimates,
+                        (map, scan),
+                        &seen,
+                        (&body, &laser),
+                    ));
                     if let Decision::Drive(command) = last {
                         assert!(command.speed.is_finite() && command.turn_rate.is_finite());
                         assert!(command.speed.abs() <= body.max_speed, "{kind:?} {command:?}");
@@ -520,18 +523,13 @@ fn a_tour_begins_where_nearest_does_not() {
         let mut policy = build(kind, 1, &body, &laser);
         for step in 0..400 {
             let time = 0.1 * f64::from(step);
-            policy.decide(&PolicyInput {
-                robot: 0,
-                estimates: &[Estimate::default()],
-                map: &map,
-                scan: &Scan { ranges: vec![1.0; 181] },
-                since_scan: Pose::default(),
-                water: &[],
-                seen: &Observation { time, battery: 100.0, ..Default::default() },
-                body: &body,
-                laser: &laser,
-                area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
-            });
+            policy.decide(&input(
+                0,
+                &[Estimate::default()],
+                (&map, &Scan { ranges: vec![1.0; 181] }),
+                &Observation { time, battery: 100.0, ..Default::default() },
+                (&body, &laser),
+            ));
             if let [first, .., last] = policy.path(0) {
                 assert!(first.length() < 0.2, "{kind:?}: paths begin at the robot, not at {first}");
                 return *last;

@@ -242,6 +242,7 @@ mod tests {
     use crate::backend::Observation;
     use crate::lidar::{LaserProfile, Scan};
     use crate::map::{Estimate, OccupancyMap};
+    use crate::policy::tests::input;
     use crate::policy::{Decision, PolicyKind, build};
     use crate::robot::Robot;
 
@@ -264,18 +265,13 @@ mod tests {
         let mut turned = 0.0;
         for tick in 0..6000 {
             let seen = Observation { time: 0.1 * f64::from(tick), ..Default::default() };
-            let decision = policy.decide(&PolicyInput {
-                robot: 0,
-                estimates: &[Estimate { pose, ..Estimate::default() }],
-                map: &map,
-                scan: &Scan { ranges: vec![2.0; laser.beams as usize] },
-                since_scan: Pose::default(),
-                water: &[],
-                seen: &seen,
-                body: &body,
-                laser: &laser,
-                area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
-            });
+            let decision = policy.decide(&input(
+                0,
+                &[Estimate { pose, ..Estimate::default() }],
+                (&map, &Scan { ranges: vec![2.0; laser.beams as usize] }),
+                &seen,
+                (&body, &laser),
+            ));
             let Decision::Drive(command) = decision else {
                 assert_eq!(decision, Decision::Finished, "at {pose:?}");
                 return;

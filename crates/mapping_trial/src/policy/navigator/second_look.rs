@@ -75,6 +75,7 @@ mod tests {
     use crate::lidar::{LaserProfile, Scan};
     use crate::map::{CellIndex, Estimate, OccupancyMap};
     use crate::policy::margins::Margins;
+    use crate::policy::tests::input;
     use crate::policy::{Decision, PolicyKind, build};
     use crate::robot::Robot;
 
@@ -104,18 +105,13 @@ mod tests {
         let mut is_first = true;
         for tick in 0..4000 {
             let seen = Observation { time: 0.1 * f64::from(tick), ..Default::default() };
-            let decision = policy.decide(&PolicyInput {
-                robot: 0,
-                estimates: &[Estimate { pose, ..Estimate::default() }],
-                map: &map,
-                scan: &scan,
-                since_scan: Pose::default(),
-                water: &[],
-                seen: &seen,
-                body: &body,
-                laser: &laser,
-                area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
-            });
+            let decision = policy.decide(&input(
+                0,
+                &[Estimate { pose, ..Estimate::default() }],
+                (&map, &scan),
+                &seen,
+                (&body, &laser),
+            ));
             match decision {
                 Decision::Drive(command) if command.speed <= 0.0 => {
                     pose.heading += 0.1 * command.turn_rate;
