@@ -7,8 +7,7 @@ use envgen::scenario::TICKS_PER_SECOND;
 /// Makes people avoid an entity and react to it, and doors open for it and stop at it, in every scenario.
 ///
 /// The robots of `bevy_mapping_trial` have it. The velocity is the mean over the last 1/20 s; who jumps, at more than
-/// 50 m/s, has none. One whose radius is not
-/// a number from 0 to a million, or whose position is not finite, is ignored.
+/// 50 m/s, has none. One whose radius is not a number from 0 to a million, or whose position is not finite, is ignored.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(Transform)]

@@ -31,7 +31,8 @@
 //!   Smoke           PartOf
 //! ```
 //!
-//! With the feature `physics` people and leaves are kinematic bodies. They are where they came in the step before: rapier moves them while it moves the others. A leaf stops at an agent, and pushes other bodies.
+//! With the feature `physics` people and leaves are kinematic bodies. They are where they came in the step before:
+//! rapier moves them while it moves the others. A leaf stops at an agent, and pushes other bodies.
 
 mod agent;
 #[cfg(feature = "physics")]
