@@ -1,10 +1,12 @@
 //! Doors: when they open, and what a ray sees of them.
 
-use envgen::Seed;
+use envgen::geometry::Shape;
 use envgen::glam::DVec2;
 use envgen::scenario::{
     DoorCommand, DoorKinds, Robot, Scenario, ScenarioSpec, ScenarioState, Target,
 };
+use envgen::world::{Extent, Obstacle, ObstacleKind};
+use envgen::{Seed, World};
 
 use crate::indoor;
 use crate::two_rooms;
@@ -31,6 +33,25 @@ fn the_share_of_time_that_doors_are_open_is_that_of_their_law() {
     // An alternating process with a mean cycle of 40 s: of over 10,000 cycles, five standard errors.
     assert!(looks > 4e5, "{looks} looks");
     assert!((open / looks - 0.25).abs() < 0.012, "{}", open / looks);
+}
+
+#[test]
+fn a_doorway_in_which_something_is_gets_no_door() {
+    let (mut world, _) = two_rooms("kind: sliding, control: commanded");
+    let doors = |world: &World| {
+        let kinds = [DoorKinds::Hinged, DoorKinds::Double, DoorKinds::Sliding];
+        kinds.map(|door_kind| {
+            let spec = ScenarioSpec { doors: 1.0, door_kind, ..Default::default() };
+            Scenario::new(world, &spec, Seed(1)).unwrap().doors.len()
+        })
+    };
+    assert_eq!(doors(&world), [1; 3]);
+    let shape = Shape::Disc { center: DVec2::new(4.0, 2.0), radius: 0.2 };
+    world.obstacles.push(Obstacle::new(ObstacleKind::Crate, shape));
+    assert_eq!(doors(&world), [0; 3]);
+    // A lamp over the doorway is in no leaf's path, but leaves no room to swing.
+    world.obstacles[0].height = Some(Extent::new(2.2, 2.4).unwrap());
+    assert_eq!(doors(&world), [1; 3]);
 }
 
 #[test]

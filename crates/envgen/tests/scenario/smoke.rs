@@ -35,6 +35,25 @@ fn the_places_of_smoke_are_those_where_it_is() {
 }
 
 #[test]
+fn particles_in_a_room_stay_particles_beside_other_smoke() {
+    let (world, mut scenario) = two_rooms("kind: sliding, control: commanded");
+    let source = |region: &str, kind: &str| {
+        let text = format!("(region: {region}, extinction: 0.5, growth: 0.0, kind: {kind})");
+        ron::from_str(&text).unwrap()
+    };
+    // A disc does not leak: it makes nothing of the room's smoke.
+    for (other, is_particle) in
+        [("disc(center: (6.0, 2.0), radius: 0.5)", true), ("room(1)", false)]
+    {
+        scenario.smoke = vec![source("room(0)", "particle"), source(other, "regional")];
+        let state = ScenarioState::new(&world, &scenario).unwrap();
+        let mut stretches = Vec::new();
+        state.smoke_along(DVec2::new(1.0, 2.0), DVec2::X, 2.0, &mut stretches);
+        assert!(stretches.len() == 1 && stretches[0].is_particle == is_particle, "{other}");
+    }
+}
+
+#[test]
 fn a_box_fills_what_is_between_its_corners() {
     let (world, mut scenario) = two_rooms("kind: sliding, control: commanded");
     let source = |growth: f64| {
