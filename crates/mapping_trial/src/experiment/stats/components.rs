@@ -17,6 +17,8 @@ pub struct Factorial {
     pub sizes: Vec<usize>,
     /// Trials per combination, which differ in noise.
     pub repeats: usize,
+    /// Whether the trials of a map with one number have the same noise in all combinations.
+    pub shares_noise: bool,
     /// The values: the first factor's first level first, the noise last.
     pub values: Vec<f64>,
 }
@@ -57,7 +59,8 @@ pub struct Components {
     /// Signal to noise: the variance of maps over the variance within a map, of noise and of
     /// all interactions with the map. Absent if nothing varies within a map.
     pub signal_to_noise: Option<Interval>,
-    /// Trials per map, spread over all conditions, for a standard error of 0.2 of its mean.
+    /// Trials per map, spread over all conditions and each with noise of its own, for a standard error of 0.2 of its
+    /// mean.
     pub trials_for_fifth: u64,
 }
 
@@ -69,15 +72,17 @@ impl Components {
 }
 
 /// Estimates the components from the mean squares of a random model (Brennan, Generalizability
-/// Theory, 2001, chapter 3), each cut at 0, with a percentile bootstrap over maps. `None` if a factor
-/// has one level, trials are not repeated, values are missing, or nothing varies.
+/// Theory, 2001, chapter 3), each cut at 0, with a percentile bootstrap over maps. Noise that the combinations share
+/// is nested within maps, and crossed with all other factors. `None` if a factor has one level, trials are not repeated,
+/// values are missing, or nothing varies.
 ///
 /// ```
 /// use mapping_trial::experiment::stats::{Factorial, components};
 ///
 /// // Three maps, two trials on each, which differ by noise of 0.1.
 /// let values = vec![1.0, 1.1, 4.0, 4.1, 7.0, 7.1];
-/// let design = Factorial { factors: vec!["map"], sizes: vec![3], repeats: 2, values };
+/// let (factors, sizes) = (vec!["map"], vec![3]);
+/// let design = Factorial { factors, sizes, repeats: 2, shares_noise: false, values };
 /// let found = components(&design).expect("repeated trials");
 /// assert!(found.share("map").is_some_and(|share| share.value > 0.99));
 /// assert!(found.share("noise").is_some_and(|share| share.value < 0.01));
@@ -109,7 +114,7 @@ pub fn components(design: &Factorial) -> Option<Components> {
         interval(&move |variances: &[f64]| variances[component] / variances.iter().sum::<f64>())
     };
     let within = |variances: &[f64]| -> f64 {
-        let of_map = |set: usize| set & 1 == 1 && set != 1;
+        let of_map = |set: usize| set & MAP != 0 && set != MAP;
         let interactions = (0..variances.len() - 1).filter(|&i| of_map(i + 1));
         variances[variances.len() - 1] + interactions.map(|i| variances[i]).sum::<f64>()
     };
@@ -138,6 +143,9 @@ impl Factorial {
         names.map(|(_, name)| *name).collect::<Vec<_>>().join(" x ")
     }
 }
+
+/// The set of the maps alone, by its bit.
+const MAP: usize = 1;
 
 /// The cells of a design, each a combination of levels of all factors, grouped by the levels of a set of factors.
 struct Grouping {
@@ -175,7 +183,7 @@ fn groupings(sizes: &[usize]) -> Vec<Grouping> {
 /// The variances of all sets of factors, in the order of their bits, then of noise.
 fn variances(design: &Factorial, groupings: &[Grouping]) -> Vec<f64> {
     let full = groupings.len() - 1;
-    let sums: Vec<f64> = groupings.iter().map(|by| squares(design, by)).collect();
+    let sums: Vec<f64> = groupings.iter().map(|by| squares(design, by, false)).collect();
     let levels = |set: usize| groupings[set].count as f64;
     // The sum of squares of an interaction is what its means have beyond all smaller sets.
     let mean_square = |set: usize| {
@@ -186,15 +194,17 @@ fn variances(design: &Factorial, groupings: &[Grouping]) -> Vec<f64> {
     let cells = levels(full);
     let total: f64 = design.values.iter().map(|x| x * x).sum();
     let noise = (total - sums[full]) / (cells * (design.repeats as f64 - 1.0));
-    let squares: Vec<f64> =
+    let mut squares: Vec<f64> =
         (0..=full).map(|set| if set == 0 { 0.0 } else { mean_square(set) }).collect();
+    // What noise adds to all of them alike is no difference: that of a set without the map is that with it.
+    let noises = design.shares_noise.then(|| shared_noises(design, groupings, &sums));
+    for (set, square) in squares.iter_mut().enumerate().skip(1) {
+        *square -= noises.as_ref().map_or(noise, |noises| noises[set | MAP]);
+    }
     let mut found: Vec<f64> = (1..=full)
         .map(|set| {
             let above = (set..=full).filter(|whole| whole & set == set);
-            let mut sum: f64 = above.map(|whole| sign(whole, set) * squares[whole]).sum();
-            if set == full {
-                sum -= noise;
-            }
+            let sum: f64 = above.map(|whole| sign(whole, set) * squares[whole]).sum();
             let per_level = cells / levels(set) * design.repeats as f64;
             (sum / per_level).max(0.0)
         })
@@ -203,14 +213,31 @@ fn variances(design: &Factorial, groupings: &[Grouping]) -> Vec<f64> {
     found
 }
 
-/// The sum of the squares of the means over everything but a set of factors, weighted by how many
-/// values each is of.
-fn squares(design: &Factorial, by: &Grouping) -> f64 {
-    let mut sums = vec![0.0; by.count];
+/// The mean squares of shared noise, nested within maps, and of its interactions with the other factors, by the set that
+/// they and the map are; 0 for sets without the map.
+fn shared_noises(design: &Factorial, groupings: &[Grouping], sums: &[f64]) -> Vec<f64> {
+    let by_noise: Vec<f64> = groupings.iter().map(|by| squares(design, by, true)).collect();
+    let levels = |set: usize| groupings[set].count as f64;
+    let of = |set: usize| {
+        if set & MAP == 0 {
+            return 0.0;
+        }
+        let parts = || subsets(set).filter(|part| part & MAP != 0);
+        let own: f64 = parts().map(|part| sign(set, part) * (by_noise[part] - sums[part])).sum();
+        let freedom: f64 = parts().map(|part| sign(set, part) * levels(part)).sum();
+        own / (freedom * (design.repeats as f64 - 1.0))
+    };
+    (0..groupings.len()).map(of).collect()
+}
+
+/// The sum of the squares of the means over everything but a set of factors and, where these are apart, the repeats,
+/// weighted by how many values each is of.
+fn squares(design: &Factorial, by: &Grouping, are_apart: bool) -> f64 {
+    let each = if are_apart { design.repeats } else { 1 };
+    let mut sums = vec![0.0; by.count * each];
     for (&group, repeats) in by.of.iter().zip(design.values.chunks_exact(design.repeats)) {
-        let sum = &mut sums[group as usize];
-        for value in repeats {
-            *sum += value;
+        for (number, value) in repeats.iter().enumerate() {
+            sums[group as usize * each + number % each] += value;
         }
     }
     let values_each = design.values.len() as f64 / sums.len() as f64;
@@ -236,8 +263,7 @@ fn resampled(design: &Factorial, stream: &mut Stream) -> Factorial {
         let first = stream.below(maps as u64) as usize * length;
         values.extend_from_slice(&design.values[first..first + length]);
     }
-    let Factorial { factors, sizes, repeats, .. } = design;
-    Factorial { factors: factors.clone(), sizes: sizes.clone(), repeats: *repeats, values }
+    Factorial { factors: design.factors.clone(), sizes: design.sizes.clone(), values, ..*design }
 }
 
 #[cfg(test)]
@@ -277,6 +303,7 @@ mod tests {
             factors: vec!["map", "policy", "laser"],
             sizes: sizes.to_vec(),
             repeats,
+            shares_noise: false,
             values,
         }
     }
@@ -354,13 +381,73 @@ mod tests {
             factors: vec!["map", "policy"],
             sizes: vec![maps, policies],
             repeats: seeds,
-            values,
+            shares_noise: false,
+            values: values.clone(),
         };
-        for (found, expected) in
-            variances(&design, &groupings(&design.sizes)).into_iter().zip(expected)
-        {
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        let agree = |design: &Factorial, expected: [f64; 4]| {
+            let found = variances(design, &groupings(&design.sizes));
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+            }
+        };
+        agree(&design, expected);
+        // Noise nested within maps, crossed with policies.
+        let of_noise = |m, s| mean(&(0..policies).map(|o| at(m, o, s)).collect::<Vec<_>>());
+        let (mut nested, mut crossed) = (0.0, 0.0);
+        for i in 0..maps {
+            for k in 0..seeds {
+                let off = of_noise(i, k) - of_map(i);
+                nested += o * off * off / (m * (s - 1.0));
+                for j in 0..policies {
+                    let off = at(i, j, k) - cell(i, j) - of_noise(i, k) + of_map(i);
+                    crossed += off * off / (m * (s - 1.0) * (o - 1.0));
+                }
+            }
         }
+        let shared = [
+            ((squares[0] - squares[2] - nested + crossed) / (o * s)).max(0.0),
+            expected[1],
+            ((squares[2] - crossed) / s).max(0.0),
+            squares[3],
+        ];
+        agree(&Factorial { shares_noise: true, ..design }, shared);
+    }
+
+    /// A share of the noise that all combinations have alike belongs neither to the map, nor is it missing from the
+    /// interactions.
+    #[test]
+    fn shared_noise_is_no_variance_of_the_map() {
+        let (maps, policies, lasers, repeats) = (400, 3, 2, 2);
+        let (map, interaction, alike, apart) = (1.0, 0.5, 0.8, 0.6);
+        let mut stream = Seed(2).stream("test", 0);
+        let mut normal = |deviation: f64| deviation * standard_normal(&mut stream);
+        let mut values = Vec::new();
+        for _ in 0..maps {
+            let of_map = normal(map);
+            let noises = [normal(alike), normal(alike)];
+            for _ in 0..policies {
+                let of_policy = normal(interaction);
+                for _ in 0..lasers {
+                    values.extend(noises.map(|noise| of_map + of_policy + noise + normal(apart)));
+                }
+            }
+        }
+        let design = |shares_noise| Factorial {
+            factors: vec!["map", "policy", "laser"],
+            sizes: vec![maps, policies, lasers],
+            repeats,
+            shares_noise,
+            values: values.clone(),
+        };
+        let variances = |design: &Factorial| variances(design, &groupings(&design.sizes));
+        let (shared, own) = (variances(&design(true)), variances(&design(false)));
+        // Standard errors are 0.09 and 0.03; of noise 0.03.
+        assert!((shared[0] - map * map).abs() < 0.3, "{shared:?}");
+        assert!((shared[2] - interaction * interaction).abs() < 0.1, "{shared:?}");
+        assert!((shared[7] - (alike * alike + apart * apart)).abs() < 0.15, "{shared:?}");
+        assert!(shared[6] < 0.05, "{shared:?}");
+        // As if it were not shared: half of what the two trials have alike is the map's.
+        assert!((own[0] - shared[0] - alike * alike / 2.0).abs() < 0.05, "{own:?}");
     }
 
     #[test]
@@ -369,6 +456,7 @@ mod tests {
             factors: vec!["map", "policy"][..sizes.len()].to_vec(),
             sizes,
             repeats,
+            shares_noise: false,
             values,
         };
         assert_eq!(components(&design(vec![2, 2], 1, vec![1.0, 2.0, 3.0, 4.0])), None);

@@ -203,7 +203,9 @@ fn variance_components(records: &[&Record]) -> Vec<MeasureComponents> {
             factors.push("policy");
             sizes.push(policies.len());
         }
-        let components = components(&Factorial { factors, sizes, repeats, values })?;
+        // Noise is the same for all policies.
+        let design = Factorial { factors, sizes, repeats, shares_noise: true, values };
+        let components = components(&design)?;
         Some(MeasureComponents { symbol: measure.symbol, components })
     };
     MEASURES.iter().filter_map(of).collect()

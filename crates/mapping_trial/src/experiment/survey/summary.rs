@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use statrs::statistics::{Data, OrderStatistics};
 
-use super::design::{Condition, Survey};
+use super::design::{Condition, Survey, SurveyNoise};
 use super::ranks::{Ranks, ranks};
 use super::record::Record;
 use crate::experiment::stats::{Factorial, MEASURES, MeasureComponents, components};
@@ -264,7 +264,13 @@ fn measures(survey: &Survey, maps: &[&[&Record]]) -> Vec<MeasureComponents> {
             })
         });
         let (factors, sizes) = (factors.clone(), sizes.clone());
-        components(&Factorial { factors, sizes, repeats, values: values.collect() })
+        components(&Factorial {
+            factors,
+            sizes,
+            repeats,
+            shares_noise: survey.noise == SurveyNoise::Shared,
+            values: values.collect(),
+        })
     };
     let measures = MEASURES.iter().filter_map(|measure| {
         Some(MeasureComponents { symbol: measure.symbol, components: of(measure.of)? })
