@@ -378,6 +378,32 @@ mod tests {
 
     proptest! {
         #[test]
+        fn a_line_between_cells_leaves_no_gap(
+            origin in [-20.0..20.0, -20.0..20.0],
+            line in 1_i32..40,
+            is_level: bool,
+        ) {
+            // Origins and lines in hundredths, as maps have them.
+            let origin = DVec2::from(origin.map(|x: f64| (x * 20.0).round() / 20.0));
+            let mut grid =
+                OccupancyGrid::empty(Rect::new(origin, origin + 2.0), 0.05).unwrap();
+            let at = (20.0 * if is_level { origin.y } else { origin.x }).round() as i32 + line;
+            let at = f64::from(at) / 20.0;
+            let point = |along: f64| {
+                if is_level { DVec2::new(origin.x + along, at) } else { DVec2::new(at, origin.y + along) }
+            };
+            grid.occupy(&Shape::Segment { a: point(0.0), b: point(2.0) }, Coverage::Conservative);
+            for k in 0..40 {
+                let cell = |side: i32| {
+                    let across = (line + side) as usize;
+                    if is_level { grid.occupied(k, across) } else { grid.occupied(across, k) }
+                };
+                // The rounding of the line itself may leave it on one side.
+                prop_assert!(cell(-1) == Some(true) || cell(0) == Some(true));
+            }
+        }
+
+        #[test]
         fn both_rules_agree_with_distances(shape in shapes(), resolution in 0.1..1.0_f64) {
             let area = Rect::new(DVec2::new(-1.0, -2.0), DVec2::new(11.0, 12.0));
             let mut centre = OccupancyGrid::empty(area, resolution).unwrap();

@@ -2,21 +2,27 @@
 //!
 //! Format: <http://wiki.ros.org/map_server>, and Nav2's `nav2_map_server`.
 
+use std::f64::consts::SQRT_2;
 use std::io::{self, Write};
 
 use glam::DVec2;
 
 use crate::flood::flood;
+use crate::generate::Spec;
 use crate::geometry::{Pose, Shape, edges};
+use crate::hallway::Ends;
 use crate::occupancy::{self, Coverage, OccupancyError, OccupancyGrid};
-use crate::spec::WorldKind;
-use crate::world::{Claim, World};
+use crate::spec::{WorldKind, WorldSpec};
+use crate::world::World;
 
 /// The most cells of a map that is read or written.
 pub const MAX_CELLS: u64 = 1 << 26;
 
 /// The cell sides that are read, in metres.
 pub const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
+
+/// More than rounding changes the place of an outline, in cells.
+const ROUNDING: f64 = 1e-6;
 
 /// Side in metres of the cells of a written map, unless the world is too large for it.
 pub const RESOLUTION: f64 = 0.05;
@@ -83,8 +89,8 @@ pub struct RosMap {
 impl RosMap {
     /// What a robot can learn of a world from its start.
     ///
-    /// Cells whose middle lies in a solid part are occupied, and cells that a part touches which is
-    /// thinner than a cell. The others are free where a path over their sides connects them to the
+    /// Cells whose middle lies in a solid part are occupied, and cells that a part touches which is so thin that it may
+    /// miss all middles. The others are free where a path over their sides connects them to the
     /// start, and unknown elsewhere: outside of a corridor or a building, in closed rooms, beside a
     /// road, around a forest. In a world without a start all are free.
     ///
@@ -93,12 +99,14 @@ impl RosMap {
     pub fn of_world(world: &World, resolution: f64) -> Result<Self, OccupancyError> {
         size_in_cells(world, resolution)?;
         let mut grid = OccupancyGrid::empty(world.bounds, resolution)?;
-        // Rounding must not make a box as thick as a cell count as thinner.
-        let thinnest = resolution * (1.0 - 1e-6);
+        // Rounding must not make a box as thick as a cell count as thinner, nor let it miss all middles.
+        let margin = ROUNDING * resolution;
+        let thinnest = resolution - margin;
         for solid in world.solids() {
             let thin = match &*solid.shape {
                 Shape::Box { half_size, .. } => 2.0 * half_size.min_element() < thinnest,
-                Shape::Disc { radius, .. } => 2.0 * radius < thinnest,
+                // A disc that is thinner than the diagonal of a cell may have no middle in it.
+                Shape::Disc { radius, .. } => 2.0 * radius < SQRT_2 * resolution,
                 // The width of a strip is a little more than twice its area over its outline.
                 Shape::Polygon { vertices } => {
                     let outline: f64 = edges(vertices).map(|(a, b)| a.distance(b)).sum();
@@ -106,7 +114,16 @@ impl RosMap {
                 }
                 Shape::Segment { .. } => false,
             };
-            grid.occupy(&solid.shape, if thin { Coverage::Conservative } else { Coverage::Centre });
+            match &*solid.shape {
+                shape if thin => grid.occupy(shape, Coverage::Conservative),
+                &Shape::Box { center, half_size, heading }
+                    if 2.0 * half_size.min_element() < resolution + margin =>
+                {
+                    let half_size = half_size + margin;
+                    grid.occupy(&Shape::Box { center, half_size, heading }, Coverage::Centre);
+                }
+                shape => grid.occupy(shape, Coverage::Centre),
+            }
         }
         let cell = |&occupied: &bool| if occupied { RosCell::Occupied } else { RosCell::Unknown };
         let mut cells: Vec<RosCell> = grid.cells().iter().map(cell).collect();
@@ -253,16 +270,49 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
             open.iter_mut().zip(inside.cells()).for_each(|(open, inside)| *open &= inside);
         }
         Ok(WorldKind::Forest) => {
-            let area = world.certificate.iter().find_map(|claim| match claim {
-                Claim::CrossesWestEast { area, .. } => Some(*area),
-                _ => None,
-            });
-            let Some(area) = area else { return };
+            let Some(WorldSpec::Forest(spec)) = spec_of(world) else { return };
+            let area = spec.area();
             for (cell, open) in open.iter_mut().enumerate() {
                 *open &= area.contains(frame.center_of(cell));
             }
         }
+        Ok(WorldKind::Hallway) => {
+            let Ok(mut ends) = OccupancyGrid::empty(world.bounds, grid.resolution()) else {
+                return;
+            };
+            for [a, b] in open_ends(world) {
+                ends.occupy(&Shape::Segment { a, b }, Coverage::Conservative);
+            }
+            open.iter_mut().zip(ends.cells()).for_each(|(open, is_end)| *open &= !is_end);
+        }
         _ => {}
+    }
+}
+
+/// The spec of a generated world, if it is a valid one.
+fn spec_of(world: &World) -> Option<WorldSpec> {
+    WorldSpec::from_provenance(&world.provenance).ok().filter(|spec| spec.validate().is_ok())
+}
+
+/// The lines across the open ends of a hallway, from the outside of one wall to that of the other.
+fn open_ends(world: &World) -> Vec<[DVec2; 2]> {
+    let (Some(WorldSpec::Hallway(spec)), Some(seed)) = (spec_of(world), world.provenance.seed)
+    else {
+        return Vec::new();
+    };
+    let Ok(hallway) = spec.generate(seed) else { return Vec::new() };
+    let layout = hallway.layout();
+    let faces = [layout.left_face(), layout.right_face()];
+    let across = |end: fn(&[DVec2]) -> Option<&DVec2>| {
+        let [left, right] = [end(&faces[0])?, end(&faces[1])?];
+        let wall = (left - right).normalize_or_zero() * spec.wall_thickness;
+        Some([left + wall, right - wall])
+    };
+    match spec.ends {
+        Ends::Open => {
+            [across(<[DVec2]>::first), across(<[DVec2]>::last)].into_iter().flatten().collect()
+        }
+        Ends::Closed => Vec::new(),
     }
 }
 
@@ -369,5 +419,57 @@ mod tests {
         assert_eq!(size_in_cells(&world, 0.4), Ok([2503, 2495]));
         assert!(RosMap::of_world(&world, f64::NAN).is_err());
         assert!(RosMap::of_world(&world, -1.0).is_err());
+    }
+
+    fn free_area(world: &World, resolution: f64) -> f64 {
+        let map = RosMap::of_world(world, resolution).unwrap();
+        let free = map.cells.iter().filter(|cell| **cell == RosCell::Free).count();
+        free as f64 * resolution * resolution
+    }
+
+    #[test]
+    fn walls_as_thick_as_a_cell_stay_closed() {
+        for seed in 0..20 {
+            let spec = HallwaySpec { segments: 20, ..Default::default() };
+            let resolution = spec.wall_thickness;
+            let hallway = spec.generate(Seed(seed)).unwrap();
+            let corridor = spec.width * hallway.layout().length();
+            let free = free_area(&hallway.to_world(), resolution);
+            assert!((0.8..1.3).contains(&(free / corridor)), "seed {seed}: {free} of {corridor}");
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_open_ends_is_unknown() {
+        for seed in 0..20 {
+            let corners = if seed % 2 == 0 { Corners::Square } else { Corners::Rounded };
+            let spec =
+                HallwaySpec { segments: 20, ends: Ends::Open, corners, ..Default::default() };
+            let hallway = spec.generate(Seed(seed)).unwrap();
+            let corridor = spec.width * hallway.layout().length();
+            let free = free_area(&hallway.to_world(), 0.05);
+            assert!((0.9..1.2).contains(&(free / corridor)), "seed {seed}: {free} of {corridor}");
+        }
+    }
+
+    #[test]
+    fn no_tree_is_too_thin_for_a_cell() {
+        let mut world = world();
+        world.walls.clear();
+        for i in 0..100 {
+            let at = DVec2::new(-0.9 + 0.0187 * f64::from(i), 2.1 + 0.0071 * f64::from(i));
+            world.trees = vec![crate::world::Tree::new(at, 0.06)];
+            let map = RosMap::of_world(&world, 0.1).unwrap();
+            assert!(map.cells.contains(&RosCell::Occupied), "a tree at {at}");
+        }
+    }
+
+    #[test]
+    fn a_forest_ends_at_its_area_without_a_certificate() {
+        let spec = crate::forest::ForestSpec { width: 10.0, height: 10.0, ..Default::default() };
+        let mut world = spec.generate(Seed(3)).unwrap().to_world();
+        let map = RosMap::of_world(&world, 0.1).unwrap();
+        world.certificate.clear();
+        assert_eq!(RosMap::of_world(&world, 0.1).unwrap(), map);
     }
 }

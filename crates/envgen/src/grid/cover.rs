@@ -5,6 +5,9 @@ use glam::DVec2;
 use super::GridFrame;
 use crate::geometry::{Rect, edges};
 
+/// More than rounding changes the borders of rows by, as a share of what they are computed from.
+const ROUNDING: f64 = 1e-14;
+
 /// A shape that every horizontal strip cuts in one interval.
 pub(crate) enum Convex<'a> {
     Disc(DVec2, f64),
@@ -25,7 +28,10 @@ impl GridFrame {
         let Some((first, last)) = self.touched(low, high, self.rows) else { return };
         for row in first..=last {
             let bottom = self.origin.y + row as f64 * self.cell_size;
-            let Some((from, to)) = shape.strip(bottom, bottom + self.cell_size) else { continue };
+            // A row that a point on its border was found in must not lose it by rounding.
+            let rounding = ROUNDING * (bottom.abs() + self.cell_size);
+            let strip = shape.strip(bottom - rounding, bottom + self.cell_size + rounding);
+            let Some((from, to)) = strip else { continue };
             let (from, to) = (from - self.origin.x, to - self.origin.x);
             if let Some((from, to)) = self.touched(from, to, self.cols) {
                 visit(row, from, to);
