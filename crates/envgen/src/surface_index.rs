@@ -79,12 +79,12 @@ pub struct SurfaceIndex {
 }
 
 impl SurfaceIndex {
-    /// Indexes the surfaces of a world that are not plain, and its raster if it has no surfaces.
+    /// Indexes the surfaces of a world that are not plain, and its raster unless its classes are among them.
     pub fn new(world: &World) -> Self {
         SurfaceIndex::of(world, |ground| ground != Ground::PLAIN)
     }
 
-    /// Indexes the surfaces of a world with some ground alone, and its raster if it has no surfaces.
+    /// Indexes the surfaces of a world with some ground alone, and its raster unless its classes are among all surfaces.
     pub(crate) fn of(world: &World, is_listed: impl Fn(Ground) -> bool) -> Self {
         let is_listed = |surface: &&Surface| is_listed(Ground::from(*surface));
         let surfaces: Vec<Surface> = world.surfaces.iter().filter(is_listed).cloned().collect();
@@ -94,9 +94,36 @@ impl SurfaceIndex {
             let corners = Shape::from_rect(surfaces[i].shape.bounds()).corners();
             frame.touched_runs(&Convex::Polygon(&corners), visit);
         });
-        let raster = if world.surfaces.is_empty() { world.raster.clone() } else { None };
+        let is_class = |surface: &Surface| matches!(surface.kind, SurfaceKind::Class(_));
+        let is_listed = world.surfaces.iter().any(is_class);
+        let raster = if is_listed { None } else { world.raster.clone() };
         let bounds = surfaces.iter().map(|s| s.shape.bounds().grown(ROUNDING)).collect();
         SurfaceIndex { index, surfaces, bounds, raster }
+    }
+
+    /// Whether a straight line touches a barrier, and how many surfaces and cells were looked at.
+    pub(crate) fn barrier_along(&self, a: DVec2, b: DVec2) -> (bool, usize) {
+        let (line, mut meets, mut cost) = ([a, b], false, 0);
+        self.index.frame.touched_runs(&Convex::Polygon(&line), |row, from, to| {
+            for col in from..=to {
+                for &i in self.index.of(self.index.frame.index(col, row)) {
+                    let surface = &self.surfaces[i as usize];
+                    cost += 1;
+                    meets |= Ground::from(surface).is_barrier()
+                        && surface.shape.distance_from_segment(a, b) == 0.0;
+                }
+            }
+        });
+        if let Some(raster) = &self.raster {
+            let frame = raster.frame();
+            frame.touched_runs(&Convex::Polygon(&line), |row, from, to| {
+                cost += to - from + 1;
+                let start = frame.index(0, frame.rows - 1 - row);
+                let classes = &raster.cells[start + from..=start + to];
+                meets |= classes.iter().any(|&class| raster.speed_of(class) <= 0.0);
+            });
+        }
+        (meets, cost)
     }
 
     /// Whether the world has water.
@@ -183,5 +210,42 @@ mod tests {
             assert_eq!(raster.at(p).speed, listed.at(p).speed, "{p}");
         }
         assert_eq!(raster.at(DVec2::NAN), Ground::PLAIN);
+    }
+
+    #[test]
+    fn an_added_surface_leaves_the_speeds_of_the_raster() {
+        let spec = LandscapeSpec { rows: 40, cols: 40, ..Default::default() };
+        let mut world = spec.generate(Seed(1)).expect("a landscape").to_world();
+        world.surfaces.clear();
+        let before = SurfaceIndex::new(&world);
+        let corner = world.bounds.min;
+        let patch = Shape::from_rect(Rect::new(corner, corner + 0.2));
+        world.surfaces.push(Surface::new(SurfaceKind::Slippery, patch));
+        let after = SurfaceIndex::new(&world);
+        for p in points(&world, 500) {
+            assert_eq!(after.at(p).speed, before.at(p).speed, "{p}");
+        }
+    }
+
+    #[test]
+    fn a_line_meets_the_barriers_that_its_points_meet() {
+        let spec = IndoorSpec { difficulty: 9.0, ..Default::default() };
+        let world = spec.generate(Seed(3)).expect("a map").to_world();
+        let grounds = SurfaceIndex::of(&world, Ground::is_barrier);
+        let points: Vec<DVec2> = points(&world, 400).collect();
+        let mut barriers = 0;
+        for pair in points.windows(2) {
+            let to = pair[0] + (pair[1] - pair[0]).clamp_length_max(3.0);
+            let (meets, _) = grounds.barrier_along(pair[0], to);
+            let is_wet = |k| grounds.at(pair[0].lerp(to, f64::from(k) / 500.0)).is_barrier();
+            if (0..=500).any(is_wet) {
+                assert!(meets, "{} to {to}", pair[0]);
+                barriers += 1;
+            }
+            let distance = world.surfaces.iter().filter(|s| Ground::from(*s).is_barrier());
+            let distance = distance.map(|s| s.shape.distance_from_segment(pair[0], to));
+            assert_eq!(meets, distance.fold(f64::INFINITY, f64::min) == 0.0);
+        }
+        assert!(barriers > 0);
     }
 }

@@ -376,9 +376,22 @@ impl<'a> Finder<'a> {
         self.world.bounds.contains(p) && self.grounds.as_ref().is_none_or(is_good)
     }
 
-    /// Whether a robot can move in a straight line between two points of known clearance. Between points
-    /// half a footprint apart it comes nearer to a convex solid by no more than 1/32 of its footprint.
+    /// Whether a robot can move in a straight line between two points of known clearance.
     fn is_clear(&self, a: DVec2, room_a: f64, b: DVec2, room_b: f64) -> bool {
+        self.is_off_solids(a, room_a, b, room_b) && self.is_ground_along(a, b)
+    }
+
+    /// Whether a robot can drive everywhere between two points.
+    fn is_ground_along(&self, a: DVec2, b: DVec2) -> bool {
+        let Some(grounds) = &self.grounds else { return true };
+        let (meets, cost) = grounds.barrier_along(a, b);
+        self.reads.fetch_add(cost, Ordering::Relaxed);
+        !meets
+    }
+
+    /// Whether a robot stays off solids between two points of known clearance. Between points half a footprint apart it
+    /// comes nearer to a convex solid by no more than 1/32 of its footprint.
+    fn is_off_solids(&self, a: DVec2, room_a: f64, b: DVec2, room_b: f64) -> bool {
         let length = a.distance(b);
         if room_a + room_b - length >= 2.0 * self.footprint || length <= 0.5 * self.footprint {
             return true;
@@ -386,8 +399,8 @@ impl<'a> Finder<'a> {
         let middle = 0.5 * (a + b);
         let room = self.near_clearance(middle);
         room >= self.footprint
-            && self.is_clear(a, room_a, middle, room)
-            && self.is_clear(middle, room, b, room_b)
+            && self.is_off_solids(a, room_a, middle, room)
+            && self.is_off_solids(middle, room, b, room_b)
     }
 }
 

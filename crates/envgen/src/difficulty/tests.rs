@@ -230,6 +230,22 @@ fn water_is_not_driven_through() {
     assert!((left / whole - (5.0 - 0.36) / (12.0 - 0.72)).abs() < 0.03, "{left} of {whole} m^2");
 }
 
+#[test]
+fn no_band_of_water_is_too_narrow_to_stop_a_robot() {
+    let mut world = hall(12.0, 4.0, Pose::new(2.0, 2.0, 0.0), &[]);
+    world.goal = Some(Pose::new(10.0, 2.0, 0.0));
+    let whole = vector(&world).clearance.reachable_area_m2;
+    for width in [0.01, 0.1, 0.2, 0.3] {
+        // Off the middles of the cells.
+        for x in [5.0, 5.03, 5.11, 5.18] {
+            world.surfaces = vec![Surface::new(SurfaceKind::Water, rect(x, 0.0, x + width, 4.0))];
+            let left = vector(&world);
+            let share = left.clearance.reachable_area_m2 / whole;
+            assert!(share < 0.5, "{share} of the hall before {width} m of water at {x} m");
+        }
+    }
+}
+
 /// Ground that covers all of a hall.
 fn floor(width: f64, height: f64) -> Surface {
     Surface::new(SurfaceKind::Slippery, rect(0.0, 0.0, width, height))

@@ -64,9 +64,10 @@ impl Walls {
         max_range: f64,
     ) -> Self {
         let runs = runs(world, space, rays);
-        let length: f64 = runs.iter().map(|run| run.length).sum();
+        // Not `sum`, which is -0 without any.
+        let length = runs.iter().fold(0.0, |sum, run| sum + run.length);
         let straight = || runs.iter().filter(|run| run.is_straight).map(|run| run.length);
-        let plain: f64 = straight().filter(|&length| length >= PLAIN).sum();
+        let plain = straight().filter(|&length| length >= PLAIN).fold(0.0, |sum, run| sum + run);
         let short = runs.iter().filter(|run| run.length < SHORT).count();
         Walls {
             wall_length_m: length,

@@ -25,12 +25,12 @@ pub(super) fn world(landscape: &Landscape) -> World {
     world
 }
 
-/// The world of a raster: the raster itself; cells that cannot be passed as obstacles; slower and
+/// The world of a raster: the raster itself; cells that cannot be passed, or without data, as obstacles; slower and
 /// faster classes as surfaces, unless there are more than 65 536 pieces of them; start and goal at
 /// the ends of the largest connected region.
 pub(crate) fn raster_world(raster: ClassRaster, provenance: Provenance) -> World {
     let mut world = World::new(provenance, raster.frame().bounds());
-    if !raster.speeds.is_empty() {
+    if raster.cells.iter().any(|&class| raster.speed_of(class) != 1.0) {
         let blocked = |class: u16| raster.speed_of(class) == 0.0;
         for outline in outlines(&raster, |class| u16::from(blocked(class))) {
             world.obstacles.push(Obstacle::new(ObstacleKind::Other, outline.1));
@@ -125,5 +125,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn cells_without_data_are_solid() {
+        let world = world_of(1, 3, vec![1, 0, 1], Vec::new());
+        assert_eq!(world.obstacles.len(), 1);
+        assert_eq!(world.raster.as_ref().unwrap().speed_at(DVec2::new(-2.25, 1.75)), Some(0.0));
+        // Unless a speed says otherwise.
+        assert!(world_of(1, 3, vec![1, 0, 1], vec![1.0]).obstacles.is_empty());
     }
 }

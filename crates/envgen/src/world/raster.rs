@@ -41,7 +41,8 @@ pub struct ClassRaster {
     /// Class of each cell, counted from 1; 0 is no data. Row by row from the top, `rows * cols`
     /// of them.
     pub cells: Vec<u16>,
-    /// Factor on a robot's greatest speed by class, from class 0 (no data) on; empty is 1 for all.
+    /// Factor on a robot's greatest speed by class, from class 0 (no data) on. A class beyond the list has 1, no data
+    /// without any 0.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub speeds: Vec<f64>,
 }
@@ -67,9 +68,10 @@ impl ClassRaster {
         self.class_at(p).map(|class| self.speed_of(class))
     }
 
-    /// The factor on a robot's greatest speed on a class, 1 where none is given.
+    /// The factor on a robot's greatest speed on a class: where none is given 1, and 0 where there is no data.
     pub fn speed_of(&self, class: u16) -> f64 {
-        self.speeds.get(usize::from(class)).copied().unwrap_or(1.0)
+        let usual = if class == 0 { 0.0 } else { 1.0 };
+        self.speeds.get(usize::from(class)).copied().unwrap_or(usual)
     }
 }
 
