@@ -250,6 +250,36 @@ impl Shape {
         }
     }
 
+    /// The line through the middle of the shape along its longer side, and the width across it in metres. Of a polygon
+    /// the direction is that of its longest side.
+    pub(crate) fn long_axis(&self) -> (DVec2, DVec2, f64) {
+        let around = |center: DVec2, axis: DVec2, half: DVec2| {
+            let is_along = half.x >= half.y;
+            let reach = if is_along { axis * half.x } else { axis.perp() * half.y };
+            (center - reach, center + reach, 2.0 * half.min_element())
+        };
+        match self {
+            Shape::Box { center, half_size, heading } => {
+                around(*center, box_axis(*heading), *half_size)
+            }
+            Shape::Segment { a, b } => (*a, *b, 0.0),
+            Shape::Disc { center, radius } => around(*center, DVec2::X, DVec2::splat(*radius)),
+            Shape::Polygon { vertices } => {
+                let sides = edges(vertices).map(|(a, b)| b - a);
+                let longest =
+                    sides.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+                let axis = longest.and_then(DVec2::try_normalize).unwrap_or(DVec2::X);
+                let axis = if (axis.x, axis.y) < (0.0, 0.0) { -axis } else { axis };
+                let back = DVec2::new(axis.x, -axis.y);
+                let turned = vertices.iter().map(|&v| back.rotate(v));
+                let Some(bounds) = Rect::around(turned) else {
+                    return (DVec2::ZERO, DVec2::ZERO, 0.0);
+                };
+                around(axis.rotate(bounds.center()), axis, 0.5 * bounds.size())
+            }
+        }
+    }
+
     /// Area in square metres, 0 for a segment.
     pub fn area(&self) -> f64 {
         match self {
@@ -360,6 +390,20 @@ mod tests {
             prop_assert!((shape.distance(p) - polygon.distance(p)).abs() < 1e-9);
             prop_assert_eq!(shape.contains(p), shape.distance(p) == 0.0);
             prop_assert!(!shape.contains(p) || shape.bounds().grown(1e-9).contains(p));
+        }
+    }
+
+    #[test]
+    fn a_turned_rectangle_has_the_axis_of_its_box() {
+        for heading in [0.0, 0.4, 0.5 * PI, 2.5, -0.8] {
+            let half_size = DVec2::new(0.6, 0.1);
+            let shape = Shape::Box { center: DVec2::new(3.0, -2.0), half_size, heading };
+            let (a, b, across) = shape.long_axis();
+            let (c, d, width) = Shape::Polygon { vertices: shape.corners() }.long_axis();
+            let is_near = |p: DVec2, q: DVec2| p.distance(q) < 1e-9;
+            assert!(is_near(a, c) && is_near(b, d) || is_near(a, d) && is_near(b, c), "{heading}");
+            assert!((across - 0.2).abs() < 1e-9 && (width - 0.2).abs() < 1e-9, "{heading}");
+            assert!((a.distance(b) - 1.2).abs() < 1e-9, "{heading}");
         }
     }
 }

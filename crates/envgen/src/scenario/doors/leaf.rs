@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec2;
 
 use super::door::{Door, DoorKind};
-use crate::geometry::{Shape, distance_to_segment, nearest_on_segment, unit_vector};
+use crate::geometry::{distance_to_segment, nearest_on_segment, unit_vector};
 use crate::world::Doorway;
 
 /// A leaf of a door: a line without thickness.
@@ -62,7 +62,7 @@ fn leaf_direction(openness: f64) -> DVec2 {
 impl DoorShape {
     /// The shape of a door in its doorway, whose longer axis is its width.
     pub(crate) fn new(door: &Door, doorway: &Doorway) -> Self {
-        let (near, far) = ends(&doorway.shape);
+        let (near, far, _) = doorway.shape.long_axis();
         let along = (far - near).normalize_or(DVec2::X);
         let side = if door.to_right { -along.perp() } else { along.perp() };
         let (ends, along) = if door.far_end { ([far, near], -along) } else { ([near, far], along) };
@@ -168,28 +168,3 @@ impl DoorShape {
 
 /// An open leaf may touch a wall that continues the doorway's end at a right angle.
 const INSET: f64 = 0.02;
-
-/// The two ends of a doorway's longer axis.
-fn ends(shape: &Shape) -> (DVec2, DVec2) {
-    match shape {
-        Shape::Box { center, half_size, heading } => {
-            let axis = crate::geometry::box_axis(*heading);
-            let reach = if half_size.x >= half_size.y {
-                axis * half_size.x
-            } else {
-                axis.perp() * half_size.y
-            };
-            (center - reach, center + reach)
-        }
-        Shape::Segment { a, b } => (*a, *b),
-        Shape::Disc { center, radius } => {
-            (center - DVec2::X * *radius, center + DVec2::X * *radius)
-        }
-        polygon @ Shape::Polygon { .. } => {
-            let bounds = polygon.bounds();
-            let (middle, half) = (bounds.center(), 0.5 * bounds.size());
-            let reach = if half.x >= half.y { DVec2::X * half.x } else { DVec2::Y * half.y };
-            (middle - reach, middle + reach)
-        }
-    }
-}

@@ -227,10 +227,94 @@ impl DoorState {
             self.opens = true;
             self.slams = false;
             self.stopped += 1;
-            if door.control == DoorControl::Timed {
-                self.due = clock.tick + clock.wait(door.open, self.action);
-                self.action += 1;
+            match door.control {
+                DoorControl::Timed => {
+                    self.due = clock.tick + clock.wait(door.open, self.action);
+                    self.action += 1;
+                }
+                // It opens fully before it closes again.
+                DoorControl::Triggered => self.due = clock.tick + HOLD_TICKS,
+                DoorControl::Commanded => {}
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use crate::Seed;
+    use crate::geometry::{Rect, Shape};
+    use crate::provenance::Provenance;
+    use crate::scenario::doors::{Door, DoorKind};
+    use crate::scenario::spec::DoorControl;
+    use crate::scenario::{Robot, Scenario, ScenarioSpec, ScenarioState};
+    use crate::world::{Doorway, Wall, WallKind, World};
+
+    /// Two halls side by side, and a doorway between them that is 5 m wide.
+    fn halls(doorway: impl Fn(Shape) -> Shape) -> (World, Scenario) {
+        let bounds = Rect::new(DVec2::ZERO, DVec2::new(20.0, 10.0));
+        let mut world = World::new(Provenance::other("test", serde_json::Value::Null), bounds);
+        let rect = |x: [f64; 2], y: [f64; 2]| {
+            Shape::from_rect(Rect::new(DVec2::new(x[0], y[0]), DVec2::new(x[1], y[1])))
+        };
+        for y in [[0.0, 2.5], [7.5, 10.0]] {
+            world.walls.push(Wall::new(WallKind::Wall, rect([9.9, 10.1], y)));
+        }
+        let opening = doorway(rect([9.9, 10.1], [2.5, 7.5]));
+        world.doorways.push(Doorway::new(opening, true, [None, None]));
+        let mut scenario = Scenario::new(&world, &ScenarioSpec::default(), Seed(1)).unwrap();
+        scenario.doors.push(Door {
+            doorway: 0,
+            kind: DoorKind::Hinged,
+            far_end: false,
+            to_right: false,
+            control: DoorControl::Triggered,
+            open: 30.0,
+            closed: 30.0,
+            slam: 0.0,
+        });
+        (world, scenario)
+    }
+
+    #[test]
+    fn a_triggered_door_that_meets_a_body_opens_again() {
+        let (world, scenario) = halls(|opening| opening);
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        let robot = |x: f64, y: f64| Robot {
+            position: DVec2::new(x, y),
+            velocity: DVec2::ZERO,
+            radius: 0.3,
+        };
+        // It swings away from who asks for it.
+        state.step(3.0, &[robot(10.5, 5.0)]).unwrap();
+        assert_eq!(state.doors()[0].openness, 1.0);
+        // Too far from the middle to ask for the door, in front of its leaf.
+        let mut opened = 0;
+        for _ in 0..60 * 20 {
+            let before = state.doors()[0].openness;
+            state.step(0.05, &[robot(9.6, 7.2)]).unwrap();
+            opened += u32::from(state.doors()[0].openness > before);
+        }
+        let stopped = state.doors()[0].stopped;
+        assert!(
+            (5..60).contains(&stopped) && opened > 40,
+            "{stopped} stops, {opened} ticks opening"
+        );
+    }
+
+    #[test]
+    fn a_leaf_lies_in_a_turned_doorway_of_any_shape() {
+        let turned = |opening: Shape| opening.turned(0.7);
+        let polygon = |opening: Shape| Shape::Polygon { vertices: opening.turned(0.7).corners() };
+        let leaf = |(world, scenario): (World, Scenario)| {
+            let state = ScenarioState::new(&world, &scenario).unwrap();
+            let leaf = state.leaves_at(0, 0.0).next().unwrap();
+            (leaf.hinge.distance(leaf.tip), (leaf.tip - leaf.hinge).to_angle())
+        };
+        let (boxed, outline) = (leaf(halls(turned)), leaf(halls(polygon)));
+        assert!((boxed.0 - outline.0).abs() < 1e-9, "{boxed:?} {outline:?}");
+        assert!(libm::sin(boxed.1 - outline.1).abs() < 1e-9, "{boxed:?} {outline:?}");
     }
 }

@@ -58,7 +58,8 @@ pub(crate) fn place_doors(
             closed: spec.door_closed,
             slam: spec.slam,
         });
-        let half_wall = 0.5 * doorway.shape.bounds().size().min_element();
+        let (.., thickness) = doorway.shape.long_axis();
+        let half_wall = 0.5 * thickness;
         let outlines = |door: &Door| DoorShape::new(door, doorway).swept_outlines(half_wall + GAP);
         let others = || around.openings_near(doorway).filter(|j| *j != i);
         let is_free = |door: &Door| {

@@ -38,8 +38,8 @@ pub(crate) fn find_places(
         });
     };
     for doorway in world.doorways.iter().filter(|doorway| doorway.open) {
-        let bounds = doorway.shape.bounds();
-        block(bounds.center(), 0.5 * bounds.size().max_element() + OFF_DOORWAYS);
+        let (from, to, _) = doorway.shape.long_axis();
+        block(from.midpoint(to), 0.5 * from.distance(to) + OFF_DOORWAYS);
     }
     for door in doors {
         block(door.middle(), door.reach() + PERSON_RADIUS);

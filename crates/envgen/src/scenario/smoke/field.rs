@@ -53,8 +53,8 @@ impl SmokeRegions {
         let links = world.doorways.iter().enumerate().filter(|(_, doorway)| doorway.open);
         let links = links
             .map(|(i, doorway)| {
-                let width = doorway.shape.bounds().size().max_element();
-                (doorway.rooms.map(place), i, width)
+                let (from, to, _) = doorway.shape.long_axis();
+                (doorway.rooms.map(place), i, from.distance(to))
             })
             .filter(|([a, b], ..)| a != b)
             .collect();
