@@ -7,7 +7,9 @@ use glam::DVec2;
 
 use crate::geometry::Shape;
 use crate::palette::{self, Srgb};
-use crate::world::{Crown, Extent, FLOOR, PartId, PartKind, RoadStrip, Tree, WallKind, World};
+use crate::world::{
+    Crown, Extent, FLOOR, PartId, PartKind, RoadStrip, Room, Tree, WallKind, World,
+};
 
 /// Thickness in metres of what is a line in the world.
 pub const LINE_THICKNESS: f64 = 0.01;
@@ -218,6 +220,12 @@ pub fn ceiling_of(world: &World, part: PartId, wall_top: f64) -> Option<Piece<'_
     })
 }
 
+/// The floor of a room, as thick as that of other ground.
+fn floor_of(room: &Room) -> Extent {
+    let top = room.extent().bottom();
+    Extent::between(top + FLOOR.bottom(), top)
+}
+
 /// Thickness of ceilings in metres.
 const CEILING_THICKNESS: f64 = 0.1;
 
@@ -240,7 +248,7 @@ fn bodies(world: &World, part: PartId, lintel: Option<Extent>) -> Option<Vec<Pie
                 part: Some(part),
                 role: Role::Floor,
                 kind: "room".to_owned(),
-                form: prism(&room.shape, FLOOR),
+                form: prism(&room.shape, floor_of(room)),
                 is_solid: false,
                 color: palette::room_floor(room.difficulty, room.lit),
             }]
@@ -373,5 +381,21 @@ mod tests {
         assert_eq!(name_of(&SurfaceKind::Class(3)), "class_3");
         assert_eq!(name_of(&SurfaceKind::OpenArea), "open_area");
         assert_eq!(name_of(&WallKind::EndCap), "end_cap");
+    }
+
+    #[test]
+    fn the_floor_of_a_room_is_at_its_bottom() {
+        let spec = IndoorSpec::default();
+        let mut world = spec.generate(Seed(7)).unwrap().to_world();
+        world.rooms[0].height = Some(Extent::between(-1.0, 2.0));
+        let floor = |room: u32| {
+            let part = PartId { kind: PartKind::Room, index: room };
+            match &pieces_of(&world, part, None)[0].form {
+                Form::Prism { extent, .. } => *extent,
+                _ => panic!("a floor is a prism"),
+            }
+        };
+        assert_eq!(floor(0), Extent::between(-1.1, -1.0));
+        assert_eq!(floor(1), FLOOR);
     }
 }

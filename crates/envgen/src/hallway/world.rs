@@ -157,9 +157,12 @@ fn obstacles(feature: &Feature, spec: &HallwaySpec) -> Vec<Obstacle> {
     let along = feature.direction * (0.5 * feature.length);
     let left = feature.direction.perp();
     let half = 0.5 * spec.width;
-    let at_wall = |outward: DVec2, kind, clear_from_middle: f64| {
+    let at_wall = |outward: DVec2, kind: ObstacleKind, clear_from_middle: f64| {
         let (from, to) = (feature.at - along, feature.at + along);
-        Obstacle::new(kind, block(from, to, outward, clear_from_middle, half))
+        Obstacle {
+            height: kind.height_beside_walls(spec.wall_height),
+            ..Obstacle::new(kind, block(from, to, outward, clear_from_middle, half))
+        }
     };
     match feature.kind {
         FeatureKind::Alcove => Vec::new(),

@@ -238,14 +238,19 @@ fn room(plan: &FloorPlan, i: usize, world: &mut World) {
         let usual = usual.filter(|_| wall.kind.extent() == WALL);
         Wall { shape: frame.shape(&wall.shape), height: wall.height.or(usual), ..*wall }
     }));
+    // Stairs are as high as the walls, door posts at most.
+    let top = plan.spec.wall_height;
     let obstacles = design.obstacles.iter();
-    world.obstacles.extend(
-        obstacles.map(|obstacle| Obstacle { shape: frame.shape(&obstacle.shape), ..*obstacle }),
-    );
+    world.obstacles.extend(obstacles.map(|obstacle| {
+        let height = obstacle.height.or(obstacle.kind.height_beside_walls(top));
+        Obstacle { shape: frame.shape(&obstacle.shape), height, ..*obstacle }
+    }));
     let surfaces = design.surfaces.iter();
-    world
-        .surfaces
-        .extend(surfaces.map(|surface| Surface { shape: frame.shape(&surface.shape), ..*surface }));
+    world.surfaces.extend(surfaces.map(|surface| {
+        let is_stairs = surface.kind == SurfaceKind::Stairs;
+        let height = surface.height.or(usual.filter(|_| is_stairs));
+        Surface { shape: frame.shape(&surface.shape), height, ..*surface }
+    }));
     world.victims.extend(design.victims.iter().map(|victim| Pose {
         position: frame.point(victim.position),
         heading: frame.heading(victim.heading),

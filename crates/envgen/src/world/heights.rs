@@ -1,9 +1,12 @@
 //! How high parts are.
 
+use glam::DVec2;
+
 use super::{
     Doorway, Extent, MIN_HEIGHT, Obstacle, ObstacleKind, PartId, PartKind, RoadStrip, Room,
     Surface, SurfaceKind, Tree, Wall, WallKind, World,
 };
+use crate::geometry::{Shape, edges};
 
 /// The crown of a tree, which neither stops a robot nor a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,6 +72,18 @@ impl ObstacleKind {
             ObstacleKind::Container => Extent::up_to(2.4),
             ObstacleKind::Stairs => WALL,
             ObstacleKind::Other => ROCK,
+        }
+    }
+}
+
+impl ObstacleKind {
+    /// The height of an obstacle of this kind in a building with walls of a height; `None` where it is the usual one.
+    pub(crate) fn height_beside_walls(self, wall_top: f64) -> Option<Extent> {
+        let usual = self.extent();
+        match self {
+            ObstacleKind::Stairs => Extent::unless_usual(usual, wall_top),
+            ObstacleKind::DoorPost => Extent::unless_usual(usual, usual.top().min(wall_top)),
+            _ => None,
         }
     }
 }
@@ -201,8 +216,9 @@ impl World {
         let mut doors: Vec<_> = (0..self.doorways.len())
             .map(|i| (self.doorways[i].shape.bounds().grown(TOUCHING), i))
             .collect();
+        let walls = self.walls.iter().enumerate();
         let mut walls: Vec<_> =
-            self.walls.iter().map(|wall| (wall.shape.bounds(), wall.extent().top())).collect();
+            walls.map(|(i, wall)| (wall.shape.bounds(), wall.extent().top(), i)).collect();
         doors.sort_by(|a, b| a.0.min.x.total_cmp(&b.0.min.x).then(a.1.cmp(&b.1)));
         walls.sort_by(|a, b| a.0.min.x.total_cmp(&b.0.min.x));
         let mut lintels = vec![None; doors.len()];
@@ -216,8 +232,10 @@ impl World {
             }
             crossed.retain(|&wall| walls[wall].0.max.x >= door.min.x);
             let beside = crossed.iter().map(|&wall| &walls[wall]);
-            let beside = beside.filter(|(wall, _)| wall.overlaps(door));
-            let top = beside.map(|(_, top)| *top).fold(f64::NEG_INFINITY, f64::max);
+            let near = beside.filter(|(bounds, ..)| bounds.overlaps(door));
+            let shape = &self.doorways[i].shape;
+            let touching = near.filter(|(.., wall)| touch(shape, &self.walls[*wall].shape));
+            let top = touching.map(|(_, top, _)| *top).fold(f64::NEG_INFINITY, f64::max);
             let bottom = self.doorways[i].extent().top();
             lintels[i] = (top - bottom >= MIN_HEIGHT).then(|| Extent::between(bottom, top));
         }
@@ -228,13 +246,26 @@ impl World {
 /// Doorways and walls that are this near touch, in metres.
 const TOUCHING: f64 = 1e-3;
 
+/// Whether a doorway and a wall are within [`TOUCHING`] of each other.
+fn touch(doorway: &Shape, wall: &Shape) -> bool {
+    let is_beside = |a: DVec2, b: DVec2| wall.distance_from_segment(a, b) <= TOUCHING;
+    match doorway {
+        Shape::Segment { a, b } => is_beside(*a, *b),
+        Shape::Disc { center, radius } => wall.distance(*center) <= radius + TOUCHING,
+        Shape::Box { .. } | Shape::Polygon { .. } => {
+            let corners = doorway.corners();
+            edges(&corners).any(|(a, b)| is_beside(a, b))
+                || doorway.distance(wall.bounds().center()) == 0.0
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
     use proptest::prelude::*;
 
     use super::*;
-    use crate::geometry::{Rect, Shape};
+    use crate::geometry::Rect;
     use crate::{Provenance, Seed, WorldKind};
 
     fn rect(x0: f64, y0: f64, x1: f64, y1: f64) -> Shape {
@@ -349,5 +380,20 @@ mod tests {
                 prop_assert!(lintels.iter().all(|lintel| *lintel == over));
             }
         }
+    }
+
+    #[test]
+    fn a_doorway_has_no_lintel_from_a_wall_whose_bounds_alone_are_near() {
+        let mut world = world();
+        let (from, to) = (DVec2::new(0.0, 0.0), DVec2::new(10.0, 10.0));
+        let wall = Wall::new(WallKind::Wall, Shape::thick_segment(from, to, 0.1, 0.0));
+        world.walls = vec![Wall { height: Some(Extent::up_to(5.0)), ..wall }];
+        world.doorways = vec![Doorway::new(rect(8.0, 2.0, 9.0, 2.1), true, [None, None])];
+        assert_eq!(world.lintels(), [None]);
+        world.doorways = vec![Doorway::new(rect(5.0, 4.5, 6.0, 4.6), true, [None, None])];
+        assert_eq!(world.lintels(), [None]);
+        let beside = Shape::thick_segment(to, to + DVec2::ONE, 0.1, 0.0);
+        world.doorways = vec![Doorway::new(beside, true, [None, None])];
+        assert_eq!(world.lintels()[0].map(Extent::top), Some(5.0));
     }
 }
