@@ -28,6 +28,8 @@ pub enum Reproduction {
     Same(Box<WorldBlueprint>),
     /// Its spec and seed give another world.
     Different,
+    /// Its spec and seed give this world, with another certificate.
+    OtherCertificate,
     /// Its spec and seed give no world; the text says why.
     NoWorld(String),
     /// Its spec asks for so much more than the world holds that it was not generated.
@@ -58,9 +60,10 @@ impl Reproduction {
             | Reproduction::OtherVersion { .. }
             | Reproduction::Edited
             | Reproduction::NoSpec => true,
-            Reproduction::Different | Reproduction::NoWorld(_) | Reproduction::TooLarge { .. } => {
-                false
-            }
+            Reproduction::Different
+            | Reproduction::OtherCertificate
+            | Reproduction::NoWorld(_)
+            | Reproduction::TooLarge { .. } => false,
         }
     }
 }
@@ -78,6 +81,9 @@ impl fmt::Display for Reproduction {
             Reproduction::Different => {
                 f.write_str("not reproducible: its spec and seed make another world")
             }
+            Reproduction::OtherCertificate => f.write_str(
+                "not reproducible: its spec and seed make this world, with another certificate",
+            ),
             Reproduction::NoWorld(reason) => {
                 write!(f, "not reproducible: its spec and seed make no world: {reason}")
             }
@@ -100,7 +106,7 @@ impl fmt::Display for Reproduction {
 }
 
 /// Generates a world again from the spec and the seed in its provenance, and compares the two by
-/// their [digests](World::digest). Whatever the provenance claims, the cost is at most a fixed amount
+/// their [digests](World::digest) and, unless it was edited, their certificates. Whatever the provenance claims, the cost is at most a fixed amount
 /// and a fixed multiple of the world's size.
 ///
 /// ```
@@ -144,12 +150,21 @@ pub fn reproduce(world: &World) -> Reproduction {
         Err(error) => Reproduction::NoWorld(error.to_string()),
         Ok(blueprint) => match edited(blueprint, &provenance.edits) {
             Err(reason) => Reproduction::NoWorld(reason),
-            Ok(blueprint) if blueprint.to_world().digest() == world.digest() => {
-                Reproduction::Same(Box::new(blueprint))
-            }
-            Ok(_) => Reproduction::Different,
+            Ok(blueprint) => compare(world, blueprint),
         },
     }
+}
+
+fn compare(world: &World, blueprint: WorldBlueprint) -> Reproduction {
+    let generated = blueprint.to_world();
+    if generated.digest() != world.digest() {
+        return Reproduction::Different;
+    }
+    // Of an edited world only what is still kept is promised.
+    if !world.provenance.edited && generated.certificate != world.certificate {
+        return Reproduction::OtherCertificate;
+    }
+    Reproduction::Same(Box::new(blueprint))
 }
 
 /// A plan with the changes by hand of a [`Provenance`]; what has none stays as it is.
@@ -371,5 +386,19 @@ mod tests {
         let mut world = landscape.generate(Seed(1)).unwrap().to_world();
         world.provenance.spec["rows"] = json!(4096);
         assert_eq!(reproduce(&world), Reproduction::Different);
+    }
+
+    #[test]
+    fn a_certificate_that_was_changed_is_found() {
+        let world = forest();
+        assert!(!world.certificate.is_empty());
+        let mut stripped = world.clone();
+        stripped.certificate.clear();
+        assert_eq!(reproduce(&stripped), Reproduction::OtherCertificate);
+        assert!(!reproduce(&stripped).is_credible());
+        let mut fewer = world.clone();
+        fewer.certificate.pop();
+        assert_eq!(reproduce(&fewer), Reproduction::OtherCertificate);
+        assert!(matches!(reproduce(&world), Reproduction::Same(_)));
     }
 }
