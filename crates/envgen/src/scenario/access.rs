@@ -1,14 +1,16 @@
 //! What can be reached while doors are open or closed.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use glam::DVec2;
 
+use super::door_graph::DoorGraph;
 use super::doors::DoorShape;
 use super::plan::shapes;
 use super::rooms::{places_of_cells, rooms_of_cells};
 use super::{Leaf, Scenario};
 use crate::clearance_index::ClearanceIndex;
 use crate::error::SpecError;
-use crate::flood::flood;
 use crate::geometry::{Shape, distance_to_segment};
 use crate::grid::GridFrame;
 use crate::surface_index::{Ground, SurfaceIndex};
@@ -74,36 +76,24 @@ impl Scenario {
             .unzip();
         let hallways = places_of_cells(floors.iter().copied(), space.frame);
         let goal = world.goal.and_then(|goal| space.frame.index_at(goal.position));
-        let seen = |mut open: Vec<bool>| {
-            let mut found = Reached {
-                rooms: vec![false; world.rooms.len() + 1],
-                hallways: vec![false; floors.len() + 1],
-                goal: false,
-            };
-            if let Some(first) = space.near(start.position) {
-                flood(space.frame.cols, &mut open, first, |run| {
-                    found.goal |= goal.is_some_and(|goal| run.contains(&goal));
-                    for cell in run {
-                        found.rooms[rooms[cell] as usize] = true;
-                        found.hallways[hallways[cell] as usize] = true;
-                    }
-                });
-            }
-            found
-        };
-        let all = seen(space.cells.clone());
+        let closed: Vec<Vec<usize>> = shapes(world, &self.doors)
+            .iter()
+            .map(|door| space.closed_by(door, radius).collect())
+            .collect();
+        let graph = DoorGraph::new(space.frame.cols, &space.cells, &closed);
+        let start = space.near(start.position).and_then(|cell| graph.piece(cell));
+        let Some(start) = start else { return Ok(Vec::new()) };
+        let room_of = Places::new(&graph, &rooms);
+        let hallway_of = Places::new(&graph, &hallways);
+        let goal = goal.and_then(|cell| graph.piece(cell));
+        let all = graph.reached(start, None);
         let mut behind = Vec::new();
-        for (door, shape) in shapes(world, &self.doors).iter().enumerate() {
-            let left = seen(space.with_closed(shape, radius));
-            let rooms: Vec<u32> = (0..)
-                .zip(lost(&all.rooms, &left.rooms))
-                .filter(|room| room.1)
-                .map(|room| room.0)
-                .collect();
-            let hallways = indices.iter().zip(lost(&all.hallways, &left.hallways));
-            let hallways: Vec<u32> =
-                hallways.filter(|hallway| hallway.1).map(|hallway| *hallway.0).collect();
-            let goal = all.goal && !left.goal;
+        for door in 0..closed.len() {
+            let left = graph.reached(start, Some(door as u32));
+            let rooms: Vec<u32> = room_of.lost(&all, &left).collect();
+            let hallways = hallway_of.lost(&all, &left);
+            let hallways: Vec<u32> = hallways.map(|place| indices[place as usize]).collect();
+            let goal = goal.is_some_and(|piece| all[piece] && !left[piece]);
             if !rooms.is_empty() || !hallways.is_empty() || goal {
                 behind.push(BehindDoor { door, rooms, hallways, goal });
             }
@@ -112,16 +102,34 @@ impl Scenario {
     }
 }
 
-/// What a disc reaches. The first of the rooms and of the hallways is what is in none.
-struct Reached {
-    rooms: Vec<bool>,
-    hallways: Vec<bool>,
-    goal: bool,
+/// The pieces of ground in which places are.
+struct Places {
+    /// The pieces of each place, in the order of places.
+    pieces: Vec<(u32, Vec<usize>)>,
 }
 
-/// Which places were reached before and are not now. The first entry, of cells in no place, is left out.
-fn lost(before: &[bool], now: &[bool]) -> impl Iterator<Item = bool> {
-    before.iter().zip(now).skip(1).map(|(before, now)| *before && !now)
+impl Places {
+    /// `place_of` holds the place of each cell, counted from 1; 0 for cells in none.
+    fn new(graph: &DoorGraph, place_of: &[u32]) -> Self {
+        let mut pieces: BTreeMap<u32, BTreeSet<usize>> = BTreeMap::new();
+        for (cell, &place) in place_of.iter().enumerate().filter(|(_, place)| **place > 0) {
+            if let Some(piece) = graph.piece(cell) {
+                pieces.entry(place - 1).or_default().insert(piece);
+            }
+        }
+        let pieces = pieces.into_iter().map(|(place, pieces)| (place, Vec::from_iter(pieces)));
+        Places { pieces: pieces.collect() }
+    }
+
+    /// The places that were reached before and are not now.
+    fn lost<'a>(&'a self, before: &'a [bool], now: &'a [bool]) -> impl Iterator<Item = u32> + 'a {
+        let is_in = |pieces: &[usize], reached: &[bool]| pieces.iter().any(|&piece| reached[piece]);
+        let lost = self
+            .pieces
+            .iter()
+            .filter(move |(_, pieces)| is_in(pieces, before) && !is_in(pieces, now));
+        lost.map(|(place, _)| *place)
+    }
 }
 
 /// The cells in whose middle a disc fits.
@@ -153,20 +161,20 @@ impl FreeCells {
         std::iter::once(here).chain(beside).find(|cell| self.cells[*cell])
     }
 
-    /// The cells with a door closed, across its doorway.
-    fn with_closed(&self, door: &DoorShape, radius: f64) -> Vec<bool> {
-        let mut cells = self.cells.clone();
-        let [a, b] = door.ends;
+    /// The cells that a door closes, across its doorway.
+    fn closed_by(&self, door: &DoorShape, radius: f64) -> impl Iterator<Item = usize> {
+        let (frame, [a, b]) = (self.frame, door.ends);
         let around = Shape::Segment { a, b }.bounds().grown(radius);
-        let low = (around.min - self.frame.origin) / self.frame.cell_size;
-        let high = (around.max - self.frame.origin) / self.frame.cell_size;
-        for row in low.y.max(0.0) as usize..self.frame.rows.min(high.y.max(0.0) as usize + 1) {
-            for col in low.x.max(0.0) as usize..self.frame.cols.min(high.x.max(0.0) as usize + 1) {
-                if distance_to_segment(self.frame.center(col, row), a, b) < radius {
-                    cells[self.frame.index(col, row)] = false;
-                }
-            }
-        }
+        let low = (around.min - frame.origin) / frame.cell_size;
+        let high = (around.max - frame.origin) / frame.cell_size;
+        let span = |low: f64, high: f64, len: usize| {
+            low.max(0.0) as usize..len.min(high.max(0.0) as usize + 1)
+        };
+        let cols = span(low.x, high.x, frame.cols);
+        let cells = span(low.y, high.y, frame.rows)
+            .flat_map(move |row| cols.clone().map(move |col| (col, row)));
         cells
+            .filter(move |&(col, row)| distance_to_segment(frame.center(col, row), a, b) < radius)
+            .map(move |(col, row)| frame.index(col, row))
     }
 }

@@ -31,6 +31,7 @@
 
 mod access;
 mod bodies;
+mod door_graph;
 mod doors;
 mod interpolation;
 mod neighbourhood;
