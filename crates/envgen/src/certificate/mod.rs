@@ -154,11 +154,14 @@ fn start_reaches_goal(world: &World, radius: f64, budget: &mut Budget) -> Result
     let ends = [start.position, goal.position];
     // Bounds are kept up to a tolerance.
     let area = ends.iter().fold(world.bounds, |area, &end| area.union(Rect::new(end, end)));
-    let pieces = Pieces::new(world.solids().map(|solid| solid.shape), radius)?;
+    let pieces = Pieces::new(reachability::barriers(world), radius)?;
     let barriers = Barriers::new(&pieces, area, radius);
     let mut is_close = false;
     for end in ends {
-        match barriers.nearer(world.clearance(end), radius) {
+        let deep = world.surfaces.iter().filter(|surface| surface.is_barrier());
+        let room =
+            deep.fold(world.clearance(end), |room, surface| room.min(surface.shape.distance(end)));
+        match barriers.nearer(room, radius) {
             Nearer::Yes => return Ok(false),
             Nearer::Perhaps => is_close = true,
             Nearer::No => {}
@@ -175,7 +178,7 @@ fn start_reaches_goal(world: &World, radius: f64, budget: &mut Budget) -> Result
     if radius > 0.0 {
         // Clearance that rounding may take away does not count.
         let radius = radius + barriers.rounding();
-        let bubbles = Bubbles::new(world.solids().map(|solid| solid.shape), area, radius)?;
+        let bubbles = Bubbles::new(reachability::barriers(world), area, radius)?;
         if bubbles.join(ends, &mut budget.half()) == Ok(true) {
             return Ok(true);
         }
@@ -258,7 +261,7 @@ mod tests {
     use crate::provenance::Provenance;
     use crate::road::RoadSpec;
     use crate::seed::Seed;
-    use crate::world::{Wall, WallKind};
+    use crate::world::{Surface, SurfaceKind, Wall, WallKind};
     use proptest::prelude::*;
 
     /// A wall from south to north with a gap of `gap` metres in its middle.
@@ -291,6 +294,24 @@ mod tests {
             let expected = if passable { Verdict::Holds } else { Verdict::Broken };
             assert_eq!(verify(&world), [(claim, expected)], "gap {gap}");
         }
+    }
+
+    #[test]
+    fn no_path_leads_through_water() {
+        let spec = HallwaySpec { segments: 12, ..Default::default() };
+        let mut world = spec.generate(Seed(4)).unwrap().to_world();
+        assert!(verify(&world).iter().all(|(_, verdict)| *verdict == Verdict::Holds));
+        // Across the whole corridor, half of the path from its start.
+        let middle = 0.5 * (world.start.unwrap().position + world.goal.unwrap().position);
+        let half = 0.5 * world.bounds.size() + 1.0;
+        let band = Rect::new(middle - DVec2::new(half.x, 0.2), middle + DVec2::new(half.x, 0.2));
+        let band = Surface::new(SurfaceKind::Slippery, Shape::from_rect(band));
+        world.surfaces = vec![band.clone()];
+        assert!(verify(&world).iter().all(|(_, verdict)| *verdict == Verdict::Holds));
+        world.surfaces = vec![Surface { kind: SurfaceKind::Water, ..band.clone() }];
+        assert_eq!(verify(&world)[0].1, Verdict::Broken);
+        world.surfaces = vec![Surface { speed: 0.0, ..band }];
+        assert_eq!(verify(&world)[0].1, Verdict::Broken);
     }
 
     #[test]

@@ -191,7 +191,7 @@ impl<'a> StartGround<'a> {
     }
 }
 
-fn barriers(world: &World) -> impl Iterator<Item = Cow<'_, Shape>> {
+pub(super) fn barriers(world: &World) -> impl Iterator<Item = Cow<'_, Shape>> {
     let deep = world.surfaces.iter().filter(|surface| surface.is_barrier());
     world.solids().map(|solid| solid.shape).chain(deep.map(|surface| Cow::Borrowed(&surface.shape)))
 }

@@ -13,7 +13,7 @@ use crate::geometry::Rect;
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Claim {
-    /// A disc of this radius can move from the start to the goal.
+    /// A disc of this radius can move from the start to the goal, off solids and off ground that no robot can enter.
     Connected {
         /// Radius of the disc in metres.
         radius: f64,
