@@ -95,7 +95,7 @@ formats! {
     Png, " A picture in pixels.",
         ["png" => |job, out| Ok(crate::picture::write_png(job.world, &job.picture, out)?)];
     Asc, " A landscape's classes as an ESRI ASCII grid.",
-        ["asc" => |job, out| Ok(write_asc(job.raster()?, out)?)];
+        ["asc" => |job, out| Ok(write_asc(job.raster()?, job.class_labels().as_deref(), out)?)];
     #[cfg(feature = "picture")]
     ClassPng, " A landscape's classes as an image, one pixel per cell.",
         ["classes.png" => |job, out| Ok(super::class_png::write_class_png(job.raster()?, out)?)];

@@ -79,6 +79,12 @@ impl<'a> Job<'a> {
         self.world.raster.as_ref().ok_or(ExportError::Empty { part: "raster of classes" })
     }
 
+    /// The values that the classes of a raster had in the file that it was read from, where these are no class numbers.
+    pub(super) fn class_labels(&self) -> Option<Vec<i64>> {
+        let labels = self.world.provenance.spec.get("labels")?;
+        serde_json::from_value(labels.clone()).ok()
+    }
+
     pub(super) fn write_scenario(&self, out: &mut dyn Write) -> Result<(), ExportError> {
         let scenario =
             self.scenario.ok_or(ExportError::Empty { part: "doors, people or smoke that move" })?;

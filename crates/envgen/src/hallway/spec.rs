@@ -162,6 +162,11 @@ impl HallwaySpec {
         if self.width + self.wall_thickness <= room {
             return Ok(());
         }
+        if room - self.wall_thickness <= 0.0 {
+            let allowed =
+                format!("less than {room} m: with {rule} parallel arms lie {room} m apart");
+            return Err(SpecError::new("wall_thickness", self.wall_thickness, allowed));
+        }
         Err(SpecError::new(
             "width",
             self.width,

@@ -10,13 +10,14 @@ use glam::DVec2;
 use serde::de::DeserializeOwned;
 
 use super::PlanError;
+use super::made_by::{IMPORT, made_by};
 use super::start::start_of_most_clearance;
 use crate::file::{FileError, read_text};
 use crate::geometry::{Pose, Rect, Shape, signed_area};
 use crate::provenance::Provenance;
 use crate::world::{
     Doorway, Extent, MAX_COORDINATE, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface,
-    SurfaceKind, Tree, Wall, WallKind, World,
+    SurfaceKind, Tree, Wall, WallKind, World, is_simple,
 };
 
 const FORMAT: &str = "GeoJSON";
@@ -64,13 +65,10 @@ pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
         GeoJson::Geometry(geometry) => FeatureCollection::new([Feature::from(geometry)]),
     };
     let foreign = collection.foreign_members.unwrap_or_default();
-    let made_by = foreign.get("provenance").and_then(|made_by| {
-        let made_by: Provenance = serde_json::from_value(made_by.clone()).ok()?;
-        serde_json::to_value(made_by).ok()
-    });
+    let made_by = made_by(foreign.get("provenance"));
     let source = serde_json::json!({ "format": "geojson", "made_by": made_by });
     let bounds = Rect::new(DVec2::ZERO, DVec2::ONE);
-    let mut world = World::new(Provenance::other("import", source), bounds);
+    let mut world = World::new(Provenance::other(IMPORT, source), bounds);
     let mut positions = MAX_POSITIONS;
     for (number, feature) in collection.features.iter().enumerate() {
         let properties = feature.properties.clone().unwrap_or_default();
@@ -248,27 +246,43 @@ impl Properties {
         if signed_area(&vertices) < 0.0 {
             vertices.reverse();
         }
+        if !is_simple(&vertices) {
+            let allowed = "a polygon whose sides neither cross nor touch each other";
+            return Err(PlanError::value(&self.field("geometry"), "another polygon", allowed));
+        }
         found.push(Outline::Solid(Shape::Polygon { vertices }));
         Ok(())
     }
 
-    /// The disc that a polygon represents; none where its corners were moved.
+    /// The disc that a polygon represents; none where single corners were moved.
     fn disc(&self, corners: &[DVec2]) -> Result<Option<Shape>, PlanError> {
         let center: Option<[f64; 2]> = self.shape("center", "two numbers")?;
         let radius: Option<f64> = self.shape("radius", "a number")?;
         let (Some(center), Some(radius)) = (center, radius) else {
             return Ok(None);
         };
-        let center = DVec2::from_array(center);
-        let is_on_circle =
-            |corner: &DVec2| (corner.distance(center) - radius).abs() <= ON_CIRCLE * radius;
-        Ok(corners.iter().all(is_on_circle).then_some(Shape::Disc { center, radius }))
+        // Programs that move a polygon leave its properties as they were.
+        let middle = corners.iter().sum::<DVec2>() / corners.len() as f64;
+        let found = [DVec2::from_array(center), middle].into_iter().find(|center| {
+            let off = |corner: &DVec2| (corner.distance(*center) - radius).abs();
+            corners.iter().all(|corner| off(corner) <= ON_CIRCLE * radius)
+        });
+        Ok(found.map(|center| Shape::Disc { center, radius }))
     }
 
     /// The part of a world that it says it is; none of files of others.
     fn part(&self) -> &str {
         let part = self.properties.get("part").and_then(JsonValue::as_str).unwrap_or_default();
         if PARTS.contains(&part) { part } else { "" }
+    }
+
+    /// The error of a part whose geometry is not what it has to be.
+    fn wrong_geometry(&self, allowed: &str) -> PlanError {
+        PlanError::value(
+            &self.field("geometry"),
+            format!("another shape of a {}", self.part()),
+            allowed,
+        )
     }
 
     fn add(&self, outlines: Vec<Outline>, world: &mut World) -> Result<(), PlanError> {
@@ -285,6 +299,8 @@ impl Properties {
                     world.victims.push(Pose { position: at, heading })
                 }
                 ("road_strip", Outline::Line(line)) => self.add_road(&line, world)?,
+                ("start" | "goal" | "victim", _) => return Err(self.wrong_geometry("a point")),
+                ("road_strip", _) => return Err(self.wrong_geometry("a line")),
                 (_, Outline::Point(center)) => {
                     // Of files of others only what can be one.
                     let is_radius = |radius: &f64| {
@@ -292,6 +308,13 @@ impl Properties {
                     };
                     if let Some(radius) = self.shape("radius", "a number")?.filter(is_radius) {
                         self.add_shape(part, Shape::Disc { center, radius }, world)?;
+                    } else if !part.is_empty() {
+                        let field = self.field("properties.radius");
+                        return Err(PlanError::value(
+                            &field,
+                            "null",
+                            "the radius of a point in metres",
+                        ));
                     }
                 }
                 (_, Outline::Line(line)) => {
@@ -364,7 +387,7 @@ impl Properties {
                 let height = unusual(plain.extent());
                 world.obstacles.push(Obstacle { visible_range, height, ..plain });
             }
-            (_, shape) => world.obstacles.push(Obstacle::new(ObstacleKind::Other, shape)),
+            (_, _) => return Err(self.wrong_geometry("a disc: a point with a `radius`")),
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ use glam::DVec2;
 use serde::Deserialize;
 
 use super::PlanError;
+use super::made_by::{IMPORT, made_by};
 use super::start::start_of_most_clearance;
 use crate::file::{FileError, read_text};
 use crate::geometry::{Pose, Rect, Shape};
@@ -36,6 +37,9 @@ struct House {
     start: Option<[f64; 3]>,
     #[serde(default)]
     goal: Option<[f64; 3]>,
+    /// Of files of this crate.
+    #[serde(default)]
+    provenance: Option<serde_json::Value>,
 }
 
 /// Reads a house: walls without thickness along the outline of its free ground, and its rooms, which are
@@ -61,8 +65,9 @@ pub fn read_houseexpo(input: &mut dyn Read) -> Result<World, PlanError> {
     let verts: Vec<DVec2> = house.verts.iter().copied().map(DVec2::from_array).collect();
     let bounds = Rect::around(verts.iter().copied()).map(|bounds| bounds.grown(MARGIN));
     let bounds = bounds.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
-    let source = serde_json::json!({ "format": "houseexpo", "id": house.id });
-    let mut world = World::new(Provenance::other("import", source), bounds);
+    let made_by = made_by(house.provenance.as_ref());
+    let source = serde_json::json!({ "format": "houseexpo", "id": house.id, "made_by": made_by });
+    let mut world = World::new(Provenance::other(IMPORT, source), bounds);
     world.walls = crate::geometry::edges(&verts)
         .filter(|(a, b)| a != b)
         .map(|(a, b)| Wall::new(WallKind::Wall, Shape::Segment { a, b }))

@@ -10,6 +10,7 @@ mod geojson;
 #[cfg(feature = "ros")]
 mod grey_image;
 mod houseexpo;
+mod made_by;
 #[cfg(feature = "paths")]
 mod movingai;
 mod plan_error;
@@ -31,11 +32,12 @@ pub use class_png::read_class_png;
 #[cfg(feature = "geojson")]
 pub use geojson::read_geojson;
 pub use houseexpo::read_houseexpo;
+#[cfg(feature = "ros")]
+use made_by::IMPORT;
 #[cfg(feature = "paths")]
 pub use movingai::{read_map, read_scenarios};
 pub use plan_error::PlanError;
 pub use raster::{ImportedRaster, RasterFileError, read_raster_json};
-#[cfg(feature = "ros")]
 use ros_map::{RosMapError, UnknownCells};
 
 use crate::file::{self, FileError};
@@ -244,7 +246,7 @@ impl ImportedRaster {
 /// The world of a raster that was read: all ground can be passed where the format has no speeds.
 fn world_of_raster(format: &str, read: ImportedRaster) -> Result<World, ImportError> {
     let source = serde_json::json!({ "format": format, "labels": read.labels });
-    let world = raster_world(read.raster, Provenance::other("import", source));
+    let world = raster_world(read.raster, Provenance::other(IMPORT, source));
     world.check().map_err(FileError::World)?;
     Ok(world)
 }

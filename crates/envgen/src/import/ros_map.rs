@@ -13,6 +13,7 @@ use thiserror::Error;
 
 pub use super::grey_image::ImageError;
 use super::grey_image::{Shade, read_image};
+use super::made_by::IMPORT;
 use crate::error::SpecError;
 use crate::export::ros_map::{RESOLUTIONS, RosCell, RosMap};
 use crate::file::{self, FileError};
@@ -255,7 +256,7 @@ impl RosMap {
             "resolution": self.resolution,
             "origin": [self.origin.position.x, self.origin.position.y, heading],
         });
-        let mut world = World::new(Provenance::other("import", source), bounds);
+        let mut world = World::new(Provenance::other(IMPORT, source), bounds);
         let wall = |cells| Wall::new(WallKind::Wall, self.box_of(cells));
         world.walls = self.boxes(RosCell::Occupied).into_iter().map(wall).collect();
         let inside = match unknown {

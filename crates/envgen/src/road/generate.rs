@@ -11,7 +11,7 @@ use super::custom_laws::RoadLaws;
 use super::error::RoadError;
 use super::fit::{nearest_angles, nearest_lengths};
 use super::part::{Part, ramp};
-use super::spec::{Crossing, Lengths, MAX_WAYPOINTS, Prefab, RoadSpec};
+use super::spec::{AREA_TOLERANCE, Crossing, Lengths, MAX_WAYPOINTS, Prefab, RoadSpec};
 use super::turn::TurnLimits;
 use super::waypoints::{by_segment, evenly};
 use crate::curve::overlap::strip_overlap;
@@ -28,9 +28,6 @@ const CLOSING_TRIES: u64 = 64;
 
 /// An end as near as this to its target, in metres, has reached it: half of the promised distance.
 const ON_POINT: f64 = 5e-10;
-
-/// How far in metres the strip's border may stray from the points at which the area is checked.
-const AREA_TOLERANCE: f64 = 1e-3;
 
 /// The road of a valid spec; laws of the caller replace the spec's own.
 pub(super) fn road(spec: &RoadSpec, seed: Seed, laws: &RoadLaws<'_>) -> Result<Road, RoadError> {

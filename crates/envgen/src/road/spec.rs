@@ -7,12 +7,15 @@ use super::apportion::quantum;
 use super::dirichlet::{self, Concentration};
 use super::turn::{GRAVITY, TurnLaw, TurnLimits};
 use crate::error::SpecError;
-use crate::geometry::Pose;
+use crate::geometry::{Pose, unit_vector};
 use crate::settings;
 use crate::world::KERB;
 
 /// Most waypoints that a road can have.
 pub const MAX_WAYPOINTS: u64 = 2_000_000;
+
+/// How far in metres the strip's border may stray from the points at which the area is checked.
+pub(super) const AREA_TOLERANCE: f64 = 1e-3;
 
 /// The narrowest kerbs, in metres: far from the origin, rounding takes the area of narrower ones.
 const LEAST_KERB: f64 = 1e-6;
@@ -242,7 +245,28 @@ impl RoadSpec {
     pub(super) fn check(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         self.check_together()?;
+        self.check_area()?;
         self.check_reserve()
+    }
+
+    /// A road that must stay in an area must begin there.
+    fn check_area(&self) -> Result<(), SpecError> {
+        let start = self.start();
+        let across = unit_vector(start.heading).perp() * (0.5 * self.width);
+        let is_inside = |p: glam::DVec2| {
+            p.min_element() >= AREA_TOLERANCE && p.max_element() <= self.area - AREA_TOLERANCE
+        };
+        if self.area == 0.0
+            || [start.position + across, start.position - across].into_iter().all(is_inside)
+        {
+            return Ok(());
+        }
+        let allowed = format!(
+            "0 or so large that the road begins in the square from (0, 0) to (area, area): both its edges at \
+             `start_x` {}, `start_y` {} and `start_heading` {} with a `width` of {} m",
+            self.start_x, self.start_y, self.start_heading, self.width
+        );
+        Err(SpecError::new("area", self.area, allowed))
     }
 
     /// Checks the fields that depend on each other.

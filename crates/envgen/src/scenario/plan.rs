@@ -30,8 +30,8 @@ use crate::world::World;
 /// assert_eq!(ScenarioState::new(&world, &scenario)?.people().len(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Scenario {
     /// From which everything random follows.
     pub seed: Seed,

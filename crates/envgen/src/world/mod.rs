@@ -29,4 +29,5 @@ pub(crate) use part::{MAX_WHEEL_BIAS, is_visible_range};
 pub use part_id::{PartId, PartKind};
 pub use raster::ClassRaster;
 pub use road::RoadMesh;
+pub(crate) use simple_polygon::is_simple;
 pub use solids::Solid;

@@ -10,7 +10,7 @@ use crate::geometry::segments_cross;
 /// Whether no two sides of a polygon touch, but for neighbours at their common corner: a sweep over the sides that
 /// finds the first two that do (Shamos and Hoey, Geometric intersection problems, 1976,
 /// <https://doi.org/10.1109/SFCS.1976.16>).
-pub(super) fn is_simple(vertices: &[DVec2]) -> bool {
+pub(crate) fn is_simple(vertices: &[DVec2]) -> bool {
     let n = vertices.len();
     if n < 3 || !vertices.iter().all(|corner| corner.is_finite()) {
         return false;

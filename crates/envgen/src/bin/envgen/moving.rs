@@ -8,7 +8,7 @@ use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState};
 use envgen::{Seed, World};
 
 use crate::failure::Failure;
-use crate::source::read;
+use crate::source::{note, read};
 
 #[derive(Args)]
 #[command(next_help_heading = "Doors, people and smoke")]
@@ -48,7 +48,15 @@ impl Moving {
             let failure = Failure::Usage(text.to_owned());
             return Err(failure.about(format!("--scenario-seed {seed}")));
         }
-        let Some(spec) = spec.filter(|spec| !spec.is_still()) else { return Ok(None) };
+        let Some(spec) = spec else { return Ok(None) };
+        if spec.is_still() {
+            if spec != ScenarioSpec::default() {
+                note(
+                    "nothing moves: other settings of what moves need doors, people or smoke above 0",
+                );
+            }
+            return Ok(None);
+        }
         let scenario = Scenario::new(world, &spec, self.scenario_seed.unwrap_or(seed));
         scenario.map(Some).map_err(|error| Failure::from(error).about("--set"))
     }

@@ -128,11 +128,16 @@ impl Source {
         Ok(settings)
     }
 
-    /// Names the option or file that a setting that is not allowed comes from.
+    /// Names the options or the file that a setting that is not allowed comes from.
     fn blame(&self, error: SpecError, settings: &[(&str, &str, &str)]) -> Failure {
-        match settings.iter().find(|(name, ..)| names(&error.field).any(|n| n == *name)) {
-            Some((.., option)) => Failure::from(error).about(format!("--set {option}")),
-            None => self.name(error.into()),
+        let are_named =
+            settings.iter().filter(|(name, ..)| names(&error.field).any(|n| n == *name));
+        let options: Vec<String> =
+            are_named.map(|(.., option)| format!("--set {option}")).collect();
+        if options.is_empty() {
+            self.name(error.into())
+        } else {
+            Failure::from(error).about(options.join(" "))
         }
     }
 

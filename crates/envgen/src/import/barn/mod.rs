@@ -19,6 +19,7 @@ use glam::DVec2;
 pub use gazebo::{Cylinder, read_cylinders};
 
 use super::PlanError;
+use super::made_by::IMPORT;
 use crate::cellular::{c_space, middle_ends};
 use crate::difficulty::{BarnMetrics, BarnMode};
 use crate::file::{FileError, read_bytes, read_text};
@@ -201,7 +202,7 @@ impl BarnGrid {
             speeds: Vec::new(),
         };
         let source = serde_json::json!({ "format": "barn_grid", "rows": rows, "cols": cols });
-        let mut world = World::new(Provenance::other("import", source), raster.frame().bounds());
+        let mut world = World::new(Provenance::other(IMPORT, source), raster.frame().bounds());
         let blocks = outlines(&raster, |filled| filled).into_iter();
         world.obstacles =
             blocks.map(|(_, shape)| Obstacle::new(ObstacleKind::Other, shape)).collect();
@@ -288,7 +289,7 @@ pub(super) fn read_gazebo_world(input: &mut dyn Read) -> Result<World, PlanError
     let bounds = bounds.ok_or_else(|| PlanError::value("cylinders", 0, "one or more"))?;
     let ends = CHALLENGE.into_iter().map(|end| Rect::new(end, end).grown(CELL));
     let bounds = ends.fold(bounds, Rect::union);
-    let mut world = World::new(Provenance::other("import", source), bounds);
+    let mut world = World::new(Provenance::other(IMPORT, source), bounds);
     world.obstacles = discs.map(|disc| Obstacle::new(ObstacleKind::Other, disc)).collect();
     let free = |end: DVec2| {
         let pose = Pose { position: end, heading: HEADING };

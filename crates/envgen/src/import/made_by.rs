@@ -1,0 +1,40 @@
+//! The provenance of worlds that were read from files of other formats.
+
+use serde_json::Value;
+
+use crate::provenance::Provenance;
+
+/// The kind of these worlds.
+pub(super) const IMPORT: &str = "import";
+
+/// The provenance of the world that a file was written from. What was read from a file and written again is made by
+/// what that file was made by, so that the values do not nest.
+pub(super) fn made_by(found: Option<&Value>) -> Option<Value> {
+    let provenance: Provenance = serde_json::from_value(found?.clone()).ok()?;
+    match provenance.spec.get("made_by") {
+        Some(made_by) if provenance.kind == IMPORT => Some(made_by.clone()),
+        _ => serde_json::to_value(provenance).ok(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+
+    #[test]
+    fn what_is_read_and_written_again_does_not_nest() {
+        let world = HallwaySpec::default().generate(Seed(7)).unwrap().to_world();
+        let first = serde_json::to_value(&world.provenance).unwrap();
+        let mut written = first.clone();
+        for _ in 0..3 {
+            let read = Provenance::other(IMPORT, json!({ "made_by": made_by(Some(&written)) }));
+            written = serde_json::to_value(read).unwrap();
+            assert_eq!(made_by(Some(&written)).as_ref(), Some(&first));
+        }
+        assert_eq!(made_by(Some(&json!("nothing"))), None);
+        assert_eq!(made_by(None), None);
+    }
+}
