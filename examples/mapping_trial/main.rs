@@ -120,10 +120,12 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             let trial = run_flat(&world, settings, parts, scenario, &bar)?;
             tell(arguments, &world, (&trial, &truth), (bag, Vec::new()), clock)?
         };
+        let mut failure = report.failure.clone();
         if let Some(driver) = driver {
             driver.end(Some(&report));
+            failure = failure.or(driver.failure());
         }
-        return match report.failure {
+        return match failure {
             Some(failure) => Err(format!("the driver failed: {failure}").into()),
             None => Ok(()),
         };

@@ -7,13 +7,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::panel::Panel;
+use super::usual_noise::usual_variance;
 use crate::experiment::survey::{Failure, Site};
 use crate::score::Scores;
 use crate::trial::{EndReason, LogWorld};
-
-/// Variance of D, M and N by noise alone where that of a world is not known yet: the mean over 76 pairs of trials
-/// of levers at 10 x 10 cells.
-const USUAL_VARIANCE: Dials<f64> = Dials { difficulty: 0.31, mapping: 0.74, navigation: 0.043 };
 
 /// Weight of the usual variance, in degrees of freedom.
 const USUAL_WEIGHT: f64 = 6.0;
@@ -80,6 +77,16 @@ pub struct ConditionMean {
     pub scores: Dials<f64>,
     /// Number of its trials that ended since nothing was left to explore.
     pub explored: u32,
+    /// Mean share of the ground that its maps show as free. Where little was covered the scores say little of the world.
+    pub coverage: f64,
+}
+
+/// What is kept of a trial.
+#[derive(Clone, Copy)]
+struct Scored {
+    dials: Dials<f64>,
+    is_explored: bool,
+    coverage: f64,
 }
 
 /// Trials of a panel in a world, which can be added to.
@@ -88,7 +95,7 @@ pub struct Measuring<'a> {
     panel: &'a Panel,
     noise: Seed,
     /// The scores of every condition, one per seed.
-    scores: Vec<Vec<(Dials<f64>, bool)>>,
+    scores: Vec<Vec<Scored>>,
 }
 
 impl<'a> Measuring<'a> {
@@ -117,7 +124,8 @@ impl<'a> Measuring<'a> {
                 }
             })?;
             let is_explored = outcome.end == Some(EndReason::Explored);
-            Ok((condition, (scores(&outcome.scores), is_explored)))
+            let coverage = outcome.scores.coverage;
+            Ok((condition, Scored { dials: scores(&outcome.scores), is_explored, coverage }))
         };
         let results: Result<Vec<_>, MeasureError> =
             conditions.to_vec().into_par_iter().map(run).collect();
@@ -134,13 +142,16 @@ impl<'a> Measuring<'a> {
 
     /// The dials over the conditions that have a trial, each of the same weight; `None` before the first.
     pub fn dials(&self, scale: &Scale) -> Option<Dials<Estimate>> {
-        let tried: Vec<&Vec<_>> = self.scores.iter().filter(|one| !one.is_empty()).collect();
+        let tried: Vec<&Vec<Scored>> = self.scores.iter().filter(|one| !one.is_empty()).collect();
         if tried.is_empty() {
             return None;
         }
+        // The mean over conditions: each has noise as usual at its own scores.
+        let usual =
+            mean(tried.iter().map(|one| usual_variance(mean(one.iter().map(|one| one.dials)))));
         let estimate = |of: fn(&Dials<f64>) -> f64| {
-            let values = tried.iter().map(|one| one.iter().map(|(s, _)| of(s)).collect());
-            estimate(&values.collect::<Vec<_>>(), of(&USUAL_VARIANCE))
+            let values = tried.iter().map(|one| one.iter().map(|one| of(&one.dials)).collect());
+            estimate(&values.collect::<Vec<_>>(), of(&usual))
         };
         let scores = Dials {
             difficulty: estimate(|scores| scores.difficulty),
@@ -167,8 +178,10 @@ impl<'a> Measuring<'a> {
             .zip(&self.scores)
             .map(|(condition, trials)| ConditionMean {
                 condition: condition.name.clone(),
-                scores: mean(trials.iter().map(|(scores, _)| *scores)),
-                explored: trials.iter().filter(|(_, is_explored)| *is_explored).count() as u32,
+                scores: mean(trials.iter().map(|trial| trial.dials)),
+                explored: trials.iter().filter(|trial| trial.is_explored).count() as u32,
+                coverage: trials.iter().map(|trial| trial.coverage).sum::<f64>()
+                    / trials.len() as f64,
             })
             .collect();
         let measured = MeasuredDifficulty {
@@ -275,7 +288,7 @@ mod tests {
             measuring.add(&[0, 1]).expect("trials");
         }
         let mut scores: Vec<f64> =
-            measuring.scores.concat().iter().map(|(scores, _)| scores.mapping).collect();
+            measuring.scores.concat().iter().map(|trial| trial.dials.mapping).collect();
         scores.sort_by(f64::total_cmp);
         assert!(scores.windows(2).all(|pair| pair[0] < pair[1]), "{scores:?}");
     }

@@ -21,6 +21,7 @@ mod measure;
 mod panel;
 pub mod proof;
 mod ridge;
+mod usual_noise;
 mod verified;
 
 pub use anchors::{Anchors, reference_scale};

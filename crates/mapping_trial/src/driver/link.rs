@@ -110,6 +110,14 @@ impl Link {
         }
     }
 
+    /// A line that nobody asked for and that came since the last answer, or comes within some time.
+    pub(super) fn leftover(&self, patience: Duration) -> Option<Vec<u8>> {
+        match self.events.recv_timeout(patience) {
+            Ok(Event::Line(line)) => Some(line),
+            _ => None,
+        }
+    }
+
     /// Waits until the last line is written, but not longer than `patience`.
     pub(super) fn finish_writing(&self, patience: Duration) {
         // Nothing is ever sent: the other end is dropped.

@@ -20,6 +20,13 @@ use crate::trial::TrialReport;
 /// How long a driver may take to end after the last line before its process is ended.
 const FAREWELL: Duration = Duration::from_secs(2);
 
+/// How long a line is waited for at the end that nobody asked for.
+const LEFTOVER: Duration = Duration::from_millis(50);
+
+fn unasked(line: &[u8]) -> DriverError {
+    DriverError::Unasked(excerpt(&String::from_utf8_lossy(line)))
+}
+
 /// What one robot's next line will hold, and what its last answer said.
 #[derive(Debug)]
 struct Gathered {
@@ -209,9 +216,7 @@ impl Session {
             LinkError::Slow => DriverError::Slow(self.limits.total),
             LinkError::Deaf => DriverError::Deaf,
             LinkError::TooLong => DriverError::TooLong,
-            LinkError::Unasked(line) => {
-                DriverError::Unasked(excerpt(&String::from_utf8_lossy(&line)))
-            }
+            LinkError::Unasked(line) => unasked(&line),
             LinkError::Closed { half: 0 } => self.gone("closed its output", ""),
             LinkError::Closed { half } => {
                 let half = format!(" after {half} bytes of a line without its end");
@@ -240,6 +245,12 @@ impl Session {
     }
 
     pub(super) fn end(&mut self, report: Option<&TrialReport>) {
+        // One line too many, and all later answers were those to the lines before.
+        if self.failure.is_none()
+            && let Some(line) = self.link.leftover(LEFTOVER)
+        {
+            self.failure = Some(unasked(&line).to_string());
+        }
         let last = line(&Ended::new(report, self.failure.as_deref()));
         self.link.close(last.ok());
         // A driver that failed may hang; its state no longer matters.

@@ -184,6 +184,30 @@ fn the_map_comes_when_it_is_wanted() {
 }
 
 #[test]
+fn a_line_too_many_fails_the_driver_at_the_latest_at_the_end() {
+    // Lines after an answer that come while no other is waited for.
+    let (driver, _) = driver(PATIENCE, |line| {
+        greeting(line, "").or_else(|| {
+            let command = json!({"speed": 0.1, "turn_rate": 0.2});
+            let extra = if line["id"] == 2 { format!("{command}\n") } else { String::new() };
+            Some(format!("{command}\n{extra}"))
+        })
+    });
+    driver.greet(&hello(1)).expect("a greeting");
+    let mut policy = DriverPolicy::new(&driver);
+    for tick in 0..3 {
+        assert_ne!(decide_at(&mut policy, tick), Decision::Failed);
+    }
+    assert_eq!(driver.failure(), None);
+    driver.end(None);
+    assert!(
+        driver.failure().is_some_and(|reason| reason.contains("0.1")),
+        "{:?}",
+        driver.failure()
+    );
+}
+
+#[test]
 fn a_driver_may_estimate_for_itself() {
     let cells = "ZGRkZA==";
     let (driver, _) = driver(PATIENCE, move |line| {

@@ -10,7 +10,7 @@ use envgen::{Seed, SpecError};
 use serde::Serialize;
 
 use super::design::{Design, policy_name};
-use super::stats::{Interval, bootstrap};
+use super::stats::{Interval, mean_and_half};
 use super::survey::{Condition, Family, Record, Survey, SurveyNoise};
 use crate::names::Named;
 use crate::score::Scores;
@@ -34,7 +34,7 @@ pub struct HazardCost {
     pub hazard: String,
     /// Number of worlds.
     pub maps: usize,
-    /// Mean difference of D from the same trials without the hazard, with its interval over worlds.
+    /// Mean difference of D from the same trials without the hazard, with Student's interval of 95 % over worlds.
     pub difficulty: Interval,
     /// The same of M.
     pub mapping: Interval,
@@ -199,24 +199,23 @@ pub fn costs<'a>(
         .collect()
 }
 
-/// The cost over worlds, each with its pairs of trials without and with the hazard.
+/// The cost over worlds, each with its pairs of trials without and with the hazard; `None` for less than two worlds,
+/// of which no interval is known.
 fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCost> {
+    if worlds.len() < 2 {
+        return None;
+    }
     let mean = |pairs: &Vec<(&Scores, &Scores)>, of: fn(&Scores) -> f64| {
         let sum: f64 = pairs.iter().map(|(without, with)| of(with) - of(without)).sum();
         sum / pairs.len() as f64
     };
     let parts: [fn(&Scores) -> f64; 3] =
         [|scores| scores.difficulty, |scores| scores.mapping, |scores| scores.navigation];
-    let differences: Vec<[f64; 3]> =
-        worlds.iter().map(|pairs| parts.map(|part| mean(pairs, part))).collect();
-    let mut stream = Seed(0).stream("experiment/hazards", 0);
-    let of = |maps: &[usize]| {
-        let sum = |part: usize| maps.iter().map(|&map| differences[map][part]).sum::<f64>();
-        let count = maps.len() as f64;
-        std::array::from_fn(|part| (count > 0.0).then(|| sum(part) / count))
-    };
-    let [difficulty, mapping, navigation] =
-        bootstrap::<3>(&vec![0; differences.len()], &mut stream, of);
+    let [difficulty, mapping, navigation] = parts.map(|part| {
+        let differences: Vec<f64> = worlds.iter().map(|pairs| mean(pairs, part)).collect();
+        let (value, half) = mean_and_half(&differences);
+        Interval { value, low: value - half, high: value + half }
+    });
     let with: Vec<&Scores> = worlds.iter().flatten().map(|(_, with)| *with).collect();
     let moving = |of: fn(crate::score::MovingScores) -> f64| {
         with.iter().filter_map(|scores| scores.moving).map(of).sum::<f64>() / with.len() as f64
@@ -224,9 +223,9 @@ fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCos
     Some(HazardCost {
         hazard: hazard.name.clone(),
         maps: worlds.len(),
-        difficulty: difficulty?,
-        mapping: mapping?,
-        navigation: navigation?,
+        difficulty,
+        mapping,
+        navigation,
         person_collisions: moving(|moving| f64::from(moving.person_collisions)),
         ghost_area: moving(|moving| moving.ghost_area),
     })

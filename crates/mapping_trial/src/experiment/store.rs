@@ -102,7 +102,7 @@ impl Experiment {
     ///
     /// # Errors
     ///
-    /// Shares of different designs, trials that differ, trials that are missing; a folder that
+    /// Shares of different designs, trials that differ, trials that are missing: then nothing is written. A folder that
     /// cannot be written or holds another experiment.
     pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Self, ExperimentError> {
         let mut whole: Option<Head> = None;
@@ -143,9 +143,10 @@ impl Experiment {
             let reason = "no folders to merge".to_owned();
             return Err(ExperimentError::Content { path: folder.to_owned(), reason });
         };
+        let trials: Vec<(usize, TrialId)> = head.design.trials().into_iter().enumerate().collect();
+        require_all(&head.design, &trials, &records)?;
         let mut merged = Experiment::open(folder, &head.design, Shard::WHOLE)?;
         merged.records = records;
-        merged.require_all()?;
         merged.check_code()?;
         merged.settle()?;
         Ok(merged)
@@ -190,13 +191,7 @@ impl Experiment {
 
     /// The error if trials are missing.
     pub(super) fn require_all(&self) -> Result<(), ExperimentError> {
-        let mut missing = self.trials.iter().filter(|(place, _)| !self.records.contains_key(place));
-        let Some((_, first)) = missing.next() else { return Ok(()) };
-        Err(ExperimentError::Incomplete {
-            missing: 1 + missing.count(),
-            all: self.trials.len(),
-            first: name(&self.head.design, first),
-        })
+        require_all(&self.head.design, &self.trials, &self.records)
     }
 
     /// Whether all trials of this share are finished.
@@ -279,4 +274,16 @@ fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<usize, Record>
         }
     }
     Ok(records)
+}
+
+/// Whether all of some trials are finished.
+fn require_all(
+    design: &Design,
+    trials: &[(usize, TrialId)],
+    records: &BTreeMap<usize, Record>,
+) -> Result<(), ExperimentError> {
+    let mut missing = trials.iter().filter(|(place, _)| !records.contains_key(place));
+    let Some((_, first)) = missing.next() else { return Ok(()) };
+    let (missing, all) = (1 + missing.count(), trials.len());
+    Err(ExperimentError::Incomplete { missing, all, first: name(design, first) })
 }

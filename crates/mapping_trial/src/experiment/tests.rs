@@ -155,6 +155,7 @@ fn threads_interrupts_and_shards_leave_no_trace() {
         .into();
     let merged = TempDir::new().unwrap();
     let reported = Experiment::merge(merged.path(), &folders[..2]).expect_err("one is missing");
+    assert_eq!(std::fs::read_dir(merged.path()).expect("a folder").count(), 0);
     assert!(matches!(reported, ExperimentError::Incomplete { .. }), "{reported}");
     let experiment = Experiment::merge(merged.path(), &folders).expect("all shares");
     report::write(&experiment, 1).expect("a report");

@@ -17,7 +17,7 @@ use crate::panel::PanelOptions;
 use crate::progress;
 use crate::stdout;
 use crate::usage::Usage;
-use crate::warning::warn;
+use crate::warning::{warn, warn_of_coverage};
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -124,6 +124,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     }
     commit_all(files)?;
     stdout::print(&text(&found, spec.request(), spec.reachable()))?;
+    warn_of_coverage(&found.measurement);
     for text in missed(spec.request(), found.measurement.measured.dials) {
         warn(&text);
     }

@@ -17,6 +17,7 @@ use serde::Serialize;
 use crate::panel::PanelOptions;
 use crate::progress;
 use crate::stdout;
+use crate::warning::warn_of_coverage;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -77,6 +78,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     // Atlases and predictions are of the reference panel.
     let calibration =
         Calibration::of(&world.provenance.kind).filter(|_| panel == Panel::reference());
+    warn_of_coverage(&measurement);
     let values = measurement.measured.dials.map(|dial| dial.value);
     let percentiles = calibration.and_then(|known| known.atlas.percentiles(values));
     let prediction = calibration.and_then(|known| predict(known, &world));

@@ -92,7 +92,10 @@ impl PanelOptions {
         }
         if let Some(laser) = &self.laser {
             LaserProfile::named(laser).in_option("--laser", laser)?;
-            change(&mut panel, &format!("laser {laser}"), |one| one.laser.clone_from(laser));
+            change(&mut panel, &format!("laser {laser}"), |one| {
+                one.name = sensed_by(laser, one);
+                one.laser.clone_from(laser);
+            });
         }
         if let Some(slam) = self.slam {
             change(&mut panel, &format!("slam {}", slam.name().unwrap_or_default()), |one| {
@@ -195,6 +198,20 @@ fn driven_by(driver: &str, condition: &Condition) -> String {
     }
 }
 
+/// The name of a condition with another laser: what came after the first part of the name is of the one before where it
+/// says so.
+fn sensed_by(laser: &str, condition: &Condition) -> String {
+    match condition.name.split_once(", ") {
+        Some((first, rest)) if OF_LASERS.contains(&rest) || rest == condition.laser => {
+            format!("{first}, {laser}")
+        }
+        _ => format!("{}, {laser}", condition.name),
+    }
+}
+
+/// What the conditions of the reference panel are named after, beside the policy.
+const OF_LASERS: [&str; 3] = ["lms200_mm", "rough", "short"];
+
 #[cfg(test)]
 mod tests {
     use mapping_trial::score::Scores;
@@ -273,6 +290,10 @@ mod tests {
             (name.as_str(), &conditions[..]),
             ("reference, driver sh mine.sh", &three("driver")[..])
         );
+        let laser = PanelOptions { laser: Some("urg_04lx".to_owned()), ..options() };
+        let (_, conditions) = names(&laser);
+        assert!(conditions.contains(&"nearest, urg_04lx".to_owned()), "{conditions:?}");
+        assert!(!conditions.iter().any(|name| name.contains("lms200_mm")), "{conditions:?}");
         // Names of your own stay in those of before, and are never the same.
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("panel.ron");

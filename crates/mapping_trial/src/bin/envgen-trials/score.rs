@@ -22,6 +22,7 @@ use serde::Serialize;
 use crate::read;
 use crate::spinner::spinner;
 use crate::stdout;
+use crate::usage::Usage;
 use crate::warning::warn;
 
 /// The least share of a map's free cells that are ground in a map without a warning.
@@ -51,13 +52,14 @@ pub(crate) struct Arguments {
     #[arg(long)]
     fit: bool,
 
-    /// The estimated trajectory, in the format of TUM.
+    /// The estimated trajectory, in the format of TUM; once for each of several robots.
     #[arg(long, value_name = "FILE.tum", requires = "truth")]
-    trajectory: Option<PathBuf>,
+    trajectory: Vec<PathBuf>,
 
-    /// The true trajectory in the world's frame, in the format of TUM, with the same clock.
+    /// The true trajectory in the world's frame, in the format of TUM, with the same clock; once for each --trajectory,
+    /// in the same order.
     #[arg(long, value_name = "FILE.tum", requires = "trajectory")]
-    truth: Option<PathBuf>,
+    truth: Vec<PathBuf>,
 
     /// The robot in RON, such as `(length: 0.4, width: 0.4)`; defaults to the Pioneer 3-AT.
     #[arg(long, value_name = "FILE.ron")]
@@ -118,10 +120,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let start = start.ok_or("the world has no start: use --start X,Y,HEADING").in_file(path)?;
     let path = &arguments.map;
     let ros_map = read_ros_map(&mut File::open(path).in_file(path)?, path).in_file(path)?;
-    let trajectories = match (&arguments.trajectory, &arguments.truth) {
-        (Some(estimated), Some(truth)) => Some((read_tum(estimated)?, read_tum(truth)?)),
-        _ => None,
-    };
+    let (estimated, truth) = (&arguments.trajectory, &arguments.truth);
+    if estimated.len() != truth.len() {
+        let (estimated, truth) = (estimated.len(), truth.len());
+        let error = format!(
+            "--trajectory is given {estimated} times and --truth {truth} times: each robot needs both"
+        );
+        return Err(Usage(error).into());
+    }
+    let robots = estimated.iter().zip(truth);
+    let robots = robots.map(|(estimated, truth)| Ok((read_tum(estimated)?, read_tum(truth)?)));
+    let robots: Vec<(Vec<TimedPose>, Vec<TimedPose>)> =
+        robots.collect::<Result<_, Box<dyn Error>>>()?;
 
     let spinner = spinner("scoring");
     let reference =
@@ -137,10 +147,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let map = OccupancyMap::from_ros_map(&ros_map, frame).in_file(path)?;
     let map = MapScores::of(&reference, &map);
     let is_ground = ground_share(&ros_map, &map);
-    let trajectory = match &trajectories {
-        Some((estimated, truth)) => Some(score(estimated, truth, frame)?),
-        None => None,
-    };
+    let trajectory = if robots.is_empty() { None } else { Some(score(&robots, frame)?) };
     spinner.finish_and_clear();
     if is_ground < LEAST_GROUND {
         warn(&format!(
@@ -173,36 +180,43 @@ fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {
 }
 
 /// Scores an estimated trajectory at its own times.
+/// Scores the estimated and the true poses of each robot. All estimates are in one frame, that of the map.
 fn score(
-    estimated: &[TimedPose],
-    truth: &[TimedPose],
+    robots: &[(Vec<TimedPose>, Vec<TimedPose>)],
     frame: Pose,
 ) -> Result<Trajectory, Box<dyn Error>> {
-    let times = estimated.iter().map(|pose| pose.time);
-    let (mut true_poses, mut poses) = (Vec::new(), Vec::new());
-    for (truth, estimated) in tum::at_times(truth, times).zip(estimated) {
-        if let Some(truth) = truth {
-            true_poses.push(truth);
-            poses.push(estimated.pose);
+    let mut pairs: Vec<(Vec<Pose>, Vec<Pose>)> = Vec::new();
+    for (estimated, truth) in robots {
+        let times = estimated.iter().map(|pose| pose.time);
+        let known = tum::at_times(truth, times).zip(estimated);
+        let known = known.filter_map(|(truth, estimated)| Some((truth?, estimated.pose)));
+        let pair: (Vec<Pose>, Vec<Pose>) = known.unzip();
+        if pair.0.is_empty() {
+            return Err(
+                "--trajectory and --truth have no time in common: both need the same clock".into(),
+            );
         }
-    }
-    if poses.is_empty() {
-        return Err(
-            "--trajectory and --truth have no time in common: both need the same clock".into()
-        );
+        pairs.push(pair);
     }
     let scores = |frame: Pose| {
         // The world's own frame changes no bit.
-        let moved: Vec<Pose> = match frame {
+        let moved = |poses: &Vec<Pose>| match frame {
             frame if frame == Pose::default() => poses.clone(),
-            frame => poses.iter().map(|pose| frame.compose(*pose)).collect(),
+            frame => poses.iter().map(|pose| frame.compose(*pose)).collect::<Vec<_>>(),
         };
-        TrajectoryScores::of(&[TrajectoryPair { truth: &true_poses, estimated: &moved }])
+        let moved: Vec<Vec<Pose>> = pairs.iter().map(|(_, estimated)| moved(estimated)).collect();
+        let pairs = pairs.iter().zip(&moved);
+        let pairs: Vec<_> =
+            pairs.map(|((truth, _), estimated)| TrajectoryPair { truth, estimated }).collect();
+        TrajectoryScores::of(&pairs)
     };
-    let best = alignment(&TrajectoryPair { truth: &true_poses, estimated: &poses });
+    let (truth, estimated): (Vec<Vec<Pose>>, Vec<Vec<Pose>>) = pairs.iter().cloned().unzip();
+    let (truth, estimated) = (truth.concat(), estimated.concat());
+    let best = alignment(&TrajectoryPair { truth: &truth, estimated: &estimated });
+    let given: usize = robots.iter().map(|(estimated, _)| estimated.len()).sum();
     Ok(Trajectory {
-        poses: poses.len(),
-        outside: estimated.len() - poses.len(),
+        poses: truth.len(),
+        outside: given - truth.len(),
         as_is: scores(frame)?,
         aligned: scores(best)?,
         alignment: best,

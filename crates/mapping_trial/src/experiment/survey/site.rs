@@ -83,6 +83,9 @@ impl Site {
             }
             let report = trial.report(&self.world, &reference).map_err(Failure::world)?;
             driver.end(Some(&report));
+            if let Some(reason) = driver.failure() {
+                return Err(Failure::driver(reason));
+            }
         }
         Ok(Outcome {
             log_digest: trial.log().digest().to_string(),

@@ -1,0 +1,72 @@
+//! How much the scores of trials vary by noise alone, where that of a world is not known yet.
+
+use envgen::calibration::Dials;
+
+/// Mean scores, and the variances by noise alone there: those within a map and a condition, of 5,808 degrees of freedom,
+/// in maps of 8 x 8 and 10 x 10 cells (`difficulty_proof`), each trial with noise of its own. Easy worlds vary little, and
+/// so do those that are as difficult as can be.
+const VARIANCES: Dials<&[(f64, f64)]> = Dials {
+    difficulty: &[
+        (0.0, 0.001),
+        (1.5, 0.053),
+        (2.5, 0.119),
+        (3.5, 0.226),
+        (4.5, 0.586),
+        (5.5, 0.595),
+        (6.5, 0.218),
+        (7.5, 0.181),
+    ],
+    mapping: &[
+        (0.0, 0.001),
+        (0.5, 0.116),
+        (1.5, 0.276),
+        (2.5, 0.531),
+        (3.5, 0.538),
+        (4.5, 1.129),
+        (5.5, 1.73),
+        (6.5, 1.168),
+        (7.5, 0.349),
+        (8.5, 0.106),
+    ],
+    navigation: &[
+        (0.0, 0.001),
+        (1.5, 0.008),
+        (2.5, 0.029),
+        (3.5, 0.042),
+        (4.5, 0.063),
+        (5.5, 0.069),
+        (6.5, 0.13),
+        (7.5, 0.359),
+    ],
+};
+
+/// The usual variance of each dial at a mean score: linear between those of the table, and constant beyond.
+pub(super) fn usual_variance(scores: Dials<f64>) -> Dials<f64> {
+    scores.zip(VARIANCES).map(|(score, table)| {
+        let after = table.partition_point(|&(at, _)| at <= score);
+        match (after.checked_sub(1).map(|before| table[before]), table.get(after)) {
+            (Some((from, low)), Some(&(to, high))) => {
+                low + (high - low) * (score - from) / (to - from)
+            }
+            (Some((_, end)), None) => end,
+            (None, first) => first.map_or(0.0, |&(_, variance)| variance),
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variances_are_linear_between_those_of_the_table() {
+        let at = |score: f64| {
+            usual_variance(Dials { difficulty: score, mapping: score, navigation: score })
+        };
+        assert_eq!(at(3.5).difficulty, 0.226);
+        assert!((at(2.0).navigation - 0.5 * (0.008 + 0.029)).abs() < 1e-12);
+        assert_eq!((at(-1.0), at(30.0)), (at(0.0), at(10.0)));
+        assert_eq!(at(30.0).mapping, 0.106);
+        assert!((0..=100).all(|k| at(0.1 * f64::from(k)).mapping > 0.0));
+    }
+}
