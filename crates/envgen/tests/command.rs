@@ -406,8 +406,8 @@ fn check_says_whether_a_file_is_what_its_spec_and_seed_make() {
         ),
         (
             &|w| w["certificate"] = Value::Array(Vec::new()),
-            0,
-            "nothing promised: the certificate is",
+            1,
+            "its spec and seed make this world, with another certificate",
         ),
     ];
     for (change, code, says) in cases {

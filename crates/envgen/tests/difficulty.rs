@@ -175,8 +175,8 @@ fn digests_are_frozen() {
             "b90c2c3bdef42ee4",
             "e1c829e8e391c6c1",
             "3465ad690bfd4415",
-            "865d24ca55da3332",
-            "feacba68aac5a90d"
+            "9f2c5bb0adc5810a",
+            "d7810e6d33a5dd57"
         ]
     );
 }

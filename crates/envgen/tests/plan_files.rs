@@ -160,6 +160,23 @@ fn geojson_of_others_is_read() {
     let moved = read(&moved).unwrap();
     // A disc with a corner that was moved is the polygon.
     assert_eq!((moved.trees.len(), moved.obstacles.len()), (0, 2));
+    let top = moved.obstacles.iter().map(|one| one.extent().top()).fold(0.0, f64::max);
+    assert_eq!(top, small().trees[0].extent().top());
+    // As a whole it stays a disc, whatever its properties say.
+    let mut file: Value = serde_json::from_str(&written(&small(), "a.geojson")).unwrap();
+    for feature in file["features"].as_array_mut().unwrap() {
+        if feature["properties"]["part"] == "tree" {
+            for corner in feature["geometry"]["coordinates"][0].as_array_mut().unwrap() {
+                corner[0] = (corner[0].as_f64().unwrap() + 0.25).into();
+            }
+        }
+    }
+    let shifted = read(&file.to_string()).unwrap();
+    assert!((shifted.trees[0].center.x - small().trees[0].center.x - 0.25).abs() < 1e-9);
+    let line = r#"{"type": "Feature", "properties": {"part": "start"}, "geometry":
+        {"type": "LineString", "coordinates": [[1,1],[2,2]]}}"#;
+    let error = read(line).unwrap_err().to_string();
+    assert!(error.contains("`features[0].geometry` must be a point"), "{error}");
 }
 
 #[test]
@@ -225,7 +242,11 @@ fn what_is_wrong_with_geojson_is_named() {
         ("\"rooms\":[null,null]", "\"rooms\":[9,null]", "doorway 0 names room 9"),
         ("[2.0,2.5]", "[2.0,2e9]", "must be from -1e8 to 1e8 m"),
         ("[1.0,1.0]", "[0.1,0.1]", "the start pose lies inside wall 0"),
-        ("[2.0,2.5]", "[2.25,2.0]", "obstacle 0 is not a simple counter-clockwise polygon"),
+        (
+            "[2.0,2.5]",
+            "[2.25,2.0]",
+            "`features[9].geometry` must be a polygon whose sides neither cross nor touch each other",
+        ),
     ] {
         assert!(text.contains(from), "{from}");
         let error = read_geojson(&mut text.replacen(from, to, 1).as_bytes()).unwrap_err();

@@ -387,7 +387,12 @@ impl Properties {
                 let height = unusual(plain.extent());
                 world.obstacles.push(Obstacle { visible_range, height, ..plain });
             }
-            (_, _) => return Err(self.wrong_geometry("a disc: a point with a `radius`")),
+            // A tree whose corners were moved.
+            (_, shape) => {
+                let plain = Obstacle::new(ObstacleKind::Other, shape);
+                let height = unusual(plain.extent());
+                world.obstacles.push(Obstacle { visible_range, height, ..plain });
+            }
         }
         Ok(())
     }

@@ -51,13 +51,23 @@ fn what_cannot_close_says_why() {
 
 #[test]
 fn attempts_run_out_with_the_last_reason() {
-    let spec =
-        RoadSpec { crossing: Crossing::Resample, attempts: 7, area: 100.0, ..Default::default() };
+    // Longer than the area is wide and high together.
+    let spec = RoadSpec {
+        crossing: Crossing::Resample,
+        attempts: 7,
+        area: 20.0,
+        start_y: 10.0,
+        start_x: 1.0,
+        ..Default::default()
+    };
     let error = spec.generate(Seed(1)).unwrap_err();
     let RoadError::Attempts { attempts: 7, last } = error else {
         panic!("{error}");
     };
-    assert_eq!(*last, RoadError::OutOfArea { side: 100.0 });
+    assert_eq!(*last, RoadError::OutOfArea { side: 20.0 });
+    // A start whose edges are outside leaves the area in every attempt.
+    let spec = RoadSpec { start_y: 3.0, ..spec };
+    assert_eq!(spec.validate().unwrap_err().field, "area");
 }
 
 #[test]
