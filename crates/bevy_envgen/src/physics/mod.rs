@@ -7,6 +7,7 @@
 //! Rapier is flat. The colliders of parts have a [`HeightRange`], which decides what they stop:
 //! see [`HeightHooks`].
 
+mod clones;
 mod collider;
 mod height;
 mod moving;
@@ -60,6 +61,8 @@ impl Plugin for EnvgenPhysicsPlugin {
             .add_message::<PersonCollision>()
             .add_observer(collide)
             .add_observer(collide_again)
+            .add_observer(clones::lose_body)
+            .add_observer(clones::lose_collider)
             .add_observer(height::filter_contacts)
             .add_observer(moving::embody)
             .add_observer(moving::hang)

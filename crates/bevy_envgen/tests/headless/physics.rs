@@ -101,6 +101,39 @@ fn a_rapier_ray_and_an_exact_ray_agree_within_a_millimetre() {
 }
 
 #[test]
+fn a_clone_that_is_moved_leaves_the_colliders_of_the_original() {
+    let mut app = test_app();
+    let environment = Environment::new(IndoorSpec::default(), 4).with_pace(GenerationMode::Async);
+    let moving = ScenarioSpec { doors: 0.5, people: 4, ..default() };
+    let scenario = EnvironmentScenario::new(moving, 1);
+    let root = app.world_mut().spawn((environment, scenario)).id();
+    wait_until_ready(&mut app, root).unwrap();
+    step(&mut app, 2);
+    app.world_mut().get_mut::<ScenarioRun>(root).unwrap().set_paused(true);
+    step(&mut app, 2);
+    let rays: Vec<_> = rays(&truth(&app, root), 1000)
+        .iter()
+        .map(|&(from, heading)| (from.as_vec2(), unit_vector(heading).as_vec2()))
+        .collect();
+    let before = (ranges(&mut app, rays.clone()), in_rapier(&mut app));
+    let clone = app.world_mut().entity_mut(root).clone_and_spawn_with_opt_out(|builder| {
+        builder.linked_cloning(true);
+    });
+    app.world_mut().get_mut::<Transform>(clone).unwrap().translation.x = 500.0;
+    // Before its own world is there.
+    app.world_mut().run_schedule(PostUpdate);
+    step(&mut app, 1);
+    assert_eq!(ranges(&mut app, rays.clone()), before.0);
+    wait_until_ready(&mut app, clone).unwrap();
+    step(&mut app, 2);
+    let (colliders, bodies) = before.1;
+    assert_eq!(in_rapier(&mut app), (2 * colliders, 2 * bodies));
+    app.world_mut().despawn(clone);
+    step(&mut app, 2);
+    assert_eq!((ranges(&mut app, rays), in_rapier(&mut app)), before);
+}
+
+#[test]
 fn rays_agree_in_an_environment_that_was_moved_and_turned() {
     for spec in specs() {
         let mut app = test_app();
