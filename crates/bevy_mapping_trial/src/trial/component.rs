@@ -16,7 +16,8 @@ use super::camera::Camera;
 /// the component [`TrialRobot`], and [`TrialStarted`](super::TrialStarted) is triggered. When the
 /// environment gets another world, the trial begins again; while it has none, such as while it is
 /// tilted, there are no robots. Removing the component or despawning the environment removes the
-/// robots. A robot that is despawned ends its part in the trial. Scenes and clones do not hold it. The events are
+/// robots. A robot that is despawned ends its part in the trial. Scenes and clones do not hold it; their robots are
+/// despawned. The events are
 /// [`TrialStarted`](super::TrialStarted), [`TrialEnded`](super::TrialEnded) and
 /// [`TrialFailed`](super::TrialFailed).
 #[derive(Component, Reflect)]
@@ -154,7 +155,7 @@ pub struct ManualControl {
     pub commands: Vec<Command>,
 }
 
-/// A robot of a [`MappingTrial`].
+/// A robot of a [`MappingTrial`]. Below an environment those that its trial has not spawned are despawned.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct TrialRobot {

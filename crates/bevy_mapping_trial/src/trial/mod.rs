@@ -42,6 +42,7 @@
 
 mod bodies;
 mod camera;
+mod clones;
 mod component;
 mod error;
 mod event;

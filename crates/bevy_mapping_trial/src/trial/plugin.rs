@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::PhysicsSet;
 
 use super::component::{ManualControl, MappingTrial, TrialRobot};
-use super::run;
+use super::{clones, run};
 use crate::robot::{RobotPlugin, RobotSystems};
 
 /// The systems of trials, before and after those of robots.
@@ -58,7 +58,7 @@ impl Plugin for TrialPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    (run::refuse_endless, run::begin, run::command)
+                    (clones::dismiss, run::refuse_endless, run::begin, run::command)
                         .chain()
                         .in_set(TrialSystems::Command),
                     run::record.in_set(TrialSystems::Record),

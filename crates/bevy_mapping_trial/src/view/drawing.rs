@@ -47,6 +47,12 @@ pub(super) struct Canvas<'w, 's> {
     pub(super) sprites: Query<'w, 's, &'static mut Sprite>,
 }
 
+/// The parent of everything that is drawn of a trial. Clones and scenes have it, so that what they hold of a drawing is
+/// found.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub(super) struct DrawingRoot;
+
 /// The drawing of a trial, on the entity of its environment.
 #[derive(Component)]
 pub(super) struct Drawing {
@@ -116,6 +122,7 @@ impl Drawing {
         let scans = group("scans", root, 0.0);
         let trails = group("paths", root, 0.0);
         let truths = group("truth", root, 0.0);
+        commands.entity(root).insert(DrawingRoot);
         let robots = (0..trial.robots()).map(|robot| {
             let color = palette.robot(robot);
             let ink = materials.add(color);

@@ -49,7 +49,7 @@ pub use palette::TrialPalette;
 pub use sights::TrialSights;
 pub use trial_view::TrialView;
 
-use drawing::{Canvas, Drawing};
+use drawing::{Canvas, Drawing, DrawingRoot};
 
 use crate::trial::{MappingTrial, RapierRobots};
 
@@ -136,6 +136,7 @@ impl Plugin for TrialViewPlugin {
             .register_type::<TrialSights>()
             .register_type::<FollowRobot>()
             .register_type::<ShowWholeMap>()
+            .register_type::<DrawingRoot>()
             .insert_resource(self.palette.clone())
             .add_observer(show_world)
             .configure_sets(
@@ -150,7 +151,7 @@ impl Plugin for TrialViewPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    hide_worlds.in_set(TrialViewSystems::Hide),
+                    (hide_worlds, remove_clones).in_set(TrialViewSystems::Hide),
                     (camera::follow, camera::show_maps).chain().in_set(TrialViewSystems::Look),
                 ),
             );
@@ -208,6 +209,19 @@ impl Curtain<'_, '_> {
 fn hide_worlds(views: Query<(&TrialView, Has<ShowIn3d>, &Children)>, mut curtain: Curtain<'_, '_>) {
     for (view, in_3d, children) in &views {
         curtain.set(children, view.truth, in_3d);
+    }
+}
+
+/// Despawns the drawings that came out of a scene, or as clones, together with their environment.
+fn remove_clones(
+    added: Query<(Entity, &ChildOf), Added<DrawingRoot>>,
+    drawings: Query<&Drawing>,
+    mut commands: Commands,
+) {
+    for (root, below) in &added {
+        if !drawings.get(below.parent()).is_ok_and(|drawing| drawing.root == root) {
+            commands.entity(root).try_despawn();
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, step};
 use bevy_mapping_trial::prelude::*;
+use mapping_trial::backend::Command;
 use mapping_trial::trial::{EndReason, TrialSettings};
 
 use crate::trial::{Told, app, environment, listen, robots, short};
@@ -74,6 +75,27 @@ fn a_robot_that_is_despawned_ends_its_part() {
     assert_eq!(estimated.last().copied(), estimated.get(estimated.len() - 2).copied());
     step(&mut app, 400);
     assert_eq!(reported(&app), ["started", "ended"]);
+}
+
+#[test]
+fn a_clone_of_an_environment_has_no_robots_and_moves_none() {
+    let mut app = app(20.0);
+    let root = running(&mut app, short(60.0));
+    app.world_mut().entity_mut(root).insert(ManualControl { commands: vec![Command::STOP] });
+    step(&mut app, 20);
+    let (robot, before) = (trial(&app, root).robots()[0], in_rapier(&mut app));
+    let pose = *app.world().get::<TruePose>(robot).expect("a robot");
+    let clone = app.world_mut().entity_mut(root).clone_and_spawn_with_opt_out(|builder| {
+        builder.linked_cloning(true);
+    });
+    app.world_mut().get_mut::<Transform>(clone).expect("an environment").translation.x = 500.0;
+    app.world_mut().run_schedule(PostUpdate);
+    step(&mut app, 5);
+    assert_eq!(robots(&mut app), 1);
+    assert_eq!(app.world().get::<TruePose>(robot), Some(&pose));
+    app.world_mut().despawn(clone);
+    step(&mut app, 2);
+    assert_eq!(in_rapier(&mut app), before);
 }
 
 #[test]

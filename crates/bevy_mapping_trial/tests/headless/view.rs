@@ -419,6 +419,24 @@ fn everything_goes_with_the_trial() {
 }
 
 #[test]
+fn a_clone_of_an_environment_has_no_drawing() {
+    let world = hallway();
+    let mut app = app();
+    let root = watch(&mut app, &world, trial(&world, 2));
+    drive(&mut app, root, 100);
+    step(&mut app, 2);
+    let clone = app.world_mut().entity_mut(root).clone_and_spawn_with_opt_out(|builder| {
+        builder.linked_cloning(true);
+    });
+    step(&mut app, 2);
+    assert_eq!(named(&mut app, "trial view").len(), 1);
+    compare(&mut app, root);
+    app.world_mut().entity_mut(clone).despawn();
+    step(&mut app, 2);
+    compare(&mut app, root);
+}
+
+#[test]
 fn cameras_look_at_robots_and_maps() {
     let world = hallway();
     let mut app = app();
