@@ -22,8 +22,8 @@ impl Scenarios<'_, '_> {
         self.moving.contains(entity)
     }
 
-    /// Changes the exact ranges of a scan, whose rays are in rapier's frame, as [`ScenarioSight::look`] does for each
-    /// scenario. Returns the beams that read 0.
+    /// Changes the exact ranges of a scan, whose rays are in rapier's frame: they end at the leaves and people of all
+    /// scenarios, then in their smoke. Returns the beams that read 0.
     pub(super) fn look(
         &self,
         sight: &mut ScenarioSight,
@@ -32,6 +32,23 @@ impl Scenarios<'_, '_> {
         ranges: &mut [f64],
     ) -> Vec<usize> {
         let mut zero = Vec::new();
+        self.look_into_each(rays, ranges, |run, rays, ranges| {
+            ScenarioSight::meet(run.now(), rays, ranges);
+        });
+        // What smoke has hidden is not met again.
+        self.look_into_each(rays, ranges, |run, rays, ranges| {
+            zero.extend(sight.look_through_smoke(run.now(), (robot, tick), rays, ranges));
+        });
+        zero
+    }
+
+    /// Calls `look` for each scenario, with rays and ranges in the frame of its world.
+    fn look_into_each(
+        &self,
+        rays: &Rays<'_>,
+        ranges: &mut [f64],
+        mut look: impl FnMut(&ScenarioRun, &Rays<'_>, &mut [f64]),
+    ) {
         for (run, origin, transform) in &self.runs {
             let affine = transform.affine().as_daffine3().inverse();
             let scale = affine.matrix3.x_axis.length();
@@ -47,9 +64,8 @@ impl Scenarios<'_, '_> {
                 max_range: rays.max_range * scale,
             };
             ranges.iter_mut().for_each(|range| *range *= scale);
-            zero.extend(sight.look(run.now(), (robot, tick), &rays, ranges));
+            look(run, &rays, ranges);
             ranges.iter_mut().for_each(|range| *range /= scale);
         }
-        zero
     }
 }

@@ -369,6 +369,29 @@ fn smoke_hides_what_is_beyond_its_range() {
 }
 
 #[test]
+fn a_beam_that_smoke_stops_meets_nobody_of_another_scenario() {
+    let world = hall();
+    let smoke = ScenarioSpec { smoke: 2.0, smoke_radius: 100.0, ..Default::default() };
+    let smoke = of(&world, ScenarioSpec { failed_beams: FailedBeams::None, ..smoke });
+    let mut person = of(&world, ScenarioSpec { waiting: 1e6, ..Default::default() });
+    let (position, reaction) = (DVec2::new(5.0, 2.0), Reaction::Impassive);
+    person.people = vec![ListedPerson { position, heading: 0.0, speed: 1.0, reaction }];
+    for scenarios in [[&smoke, &person], [&person, &smoke]] {
+        let mut app = app();
+        for scenario in scenarios {
+            spawn(&mut app, &world, scenario);
+        }
+        let profile = LaserProfile { ticks_a_scan: 1, ..LaserProfile::LMS200_MM };
+        let at = Transform::from_xyz(2.0, 2.0, 0.0);
+        let robot = (RobotModel::default(), LaserScanner::new(profile, 1, 0), at);
+        let robot = app.world_mut().spawn(robot).id();
+        step(&mut app, 10);
+        let ranges = &app.world().get::<LaserScan>(robot).unwrap().ranges;
+        assert!(!ranges.is_empty() && ranges.iter().all(|range| range.is_nan()), "{ranges:?}");
+    }
+}
+
+#[test]
 fn a_scenario_of_another_world_is_refused() {
     let scenario = of(&indoor(), ScenarioSpec { doors: 1.0, ..Default::default() });
     let run =

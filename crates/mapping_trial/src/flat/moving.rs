@@ -42,7 +42,9 @@ impl Moving {
         rays: &Rays<'_>,
         ranges: &mut [f64],
     ) -> Vec<usize> {
-        self.sight.look(&self.state, (robot as u64, u64::from(tick)), rays, ranges)
+        ScenarioSight::meet(&self.state, rays, ranges);
+        let scan = (robot as u64, u64::from(tick));
+        self.sight.look_through_smoke(&self.state, scan, rays, ranges)
     }
 
     /// Calls `press` for every leaf and person: a point, its distance from a robot's centre less the size of

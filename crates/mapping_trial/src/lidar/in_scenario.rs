@@ -33,16 +33,9 @@ impl ScenarioSight {
         ScenarioSight { profile: profile.clone(), seed, stretches: Vec::new() }
     }
 
-    /// Changes the exact ranges of a robot's scan in a tick, one per ray, which are those of everything else: some
-    /// end at a leaf or a person, those that smoke stops are [`UNSEEN`] or end at a phantom. Returns the beams that
-    /// read 0 instead, in ascending order.
-    pub fn look(
-        &mut self,
-        state: &ScenarioState,
-        (robot, tick): (u64, u64),
-        rays: &Rays<'_>,
-        ranges: &mut [f64],
-    ) -> Vec<usize> {
+    /// Ends rays at the leaves and people that they meet, before [`ScenarioSight::look_through_smoke`]: changes the
+    /// exact ranges, one per ray, which are those of everything else.
+    pub fn meet(state: &ScenarioState, rays: &Rays<'_>, ranges: &mut [f64]) {
         let Rays { from, directions, max_range } = *rays;
         for (_, shape) in state.visible(from, max_range) {
             for (range, &direction) in ranges.iter_mut().zip(directions) {
@@ -50,6 +43,19 @@ impl ScenarioSight {
                 *range = distance.map_or(*range, |distance| range.min(distance));
             }
         }
+    }
+
+    /// Changes the ranges of a robot's scan in a tick, one per ray: those that smoke stops are [`UNSEEN`] or end at a
+    /// phantom. Returns the beams that read 0 instead, in ascending order. With several scenarios all leaves and people
+    /// come first: see [`ScenarioSight::meet`].
+    pub fn look_through_smoke(
+        &mut self,
+        state: &ScenarioState,
+        (robot, tick): (u64, u64),
+        rays: &Rays<'_>,
+        ranges: &mut [f64],
+    ) -> Vec<usize> {
+        let Rays { from, directions, max_range } = *rays;
         let mut zero = Vec::new();
         if !state.has_smoke() {
             return zero;
@@ -58,6 +64,10 @@ impl ScenarioSight {
         let failed = state.settings().failed_beams;
         let scan = self.seed.attempt("trial/smoke", robot, tick).bits();
         for (beam, (range, &direction)) in ranges.iter_mut().zip(directions).enumerate() {
+            // In the smoke of another scenario.
+            if range.is_nan() {
+                continue;
+            }
             state.smoke_along(from, direction, *range, &mut self.stretches);
             if self.stretches.is_empty() {
                 continue;
