@@ -7,7 +7,7 @@ use mapping_trial::backend::Command;
 use mapping_trial::robot::Footprint;
 
 use super::ground::Terrain;
-use super::model::{Battery, Chassis, DriveCommand, RobotCondition, RobotModel, Wheels};
+use super::model::{Battery, Chassis, DriveCommand, Fitted, RobotCondition, RobotModel, Wheels};
 
 /// Acceleration of gravity in m/s^2.
 const G: f64 = 9.81;
@@ -28,7 +28,8 @@ type Driven = (
 /// Lets wheels follow their commands and the ground push the bodies.
 pub(super) fn drive(
     time: Res<Time>,
-    mut robots: Query<Driven>,
+    // A model that is not allowed is not fitted.
+    mut robots: Query<Driven, With<Fitted>>,
     bodies: Query<&RapierRigidBodySet, With<DefaultRapierContext>>,
     terrain: Terrain,
 ) {

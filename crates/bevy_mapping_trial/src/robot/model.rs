@@ -20,25 +20,15 @@ use mapping_trial::robot::{Footprint, Robot};
 ///
 /// Inserting it adds a dynamic body, a collider of the model's footprint, a [`Chassis`] of the
 /// model, its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Those that
-/// the entity already has are kept, and colliders of its children belong to the robot too. Models of other robots can be read from RON: see [`Robot::from_ron`].
-/// An invalid model gets no body and logs a warning.
+/// the entity already has are kept, and colliders of its children belong to the robot too. Models of other robots can be
+/// read from RON: see [`Robot::from_ron`]. An invalid model gets no body and logs a warning; in place of another model it
+/// removes what that one added.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
-#[require(
-    DriveCommand,
-    Wheels,
-    Bumper,
-    RobotCondition,
-    TruePose,
-    Transform,
-    RigidBody = RigidBody::Dynamic,
-    Velocity,
-    Friction = Friction::coefficient(0.3),
-    Sleeping = Sleeping::disabled()
-)]
+#[require(DriveCommand, Wheels, Bumper, RobotCondition, TruePose, Transform)]
 pub struct RobotModel(pub Robot);
 
 /// The command to a robot, valid until it is changed. Values beyond the model's limits are clamped;
@@ -253,9 +243,10 @@ impl WheelOdometry {
     }
 }
 
-/// The components that were added because of the model: another model replaces them.
+/// The components that were added because of the model, which is valid: another model replaces them.
 #[derive(Component, Clone, Copy, Default)]
 pub(super) struct Fitted {
+    body: bool,
     chassis: bool,
     collider: bool,
     agent: bool,
@@ -265,6 +256,7 @@ pub(super) struct Fitted {
 /// A model, and the components that its entity already has.
 type Model = (
     &'static RobotModel,
+    Has<RigidBody>,
     Option<&'static Chassis>,
     Has<Collider>,
     Has<ScenarioAgent>,
@@ -272,9 +264,11 @@ type Model = (
     Option<&'static Fitted>,
 );
 
-/// Adds a collider, a chassis and a full battery to a robot, and lets people and doors notice it.
+/// Adds a body, a collider, a chassis and a full battery to a robot, and lets people and doors notice it.
 pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut commands: Commands) {
-    let Ok((model, chassis, collides, is_agent, is_high, fitted)) = models.get(fit.entity) else {
+    let Ok((model, has_body, chassis, collides, is_agent, is_high, fitted)) =
+        models.get(fit.entity)
+    else {
         return;
     };
     let fitted = fitted.copied().unwrap_or_default();
@@ -282,11 +276,16 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     let mut robot = commands.entity(fit.entity);
     if let Err(error) = model.validate() {
         log::warn!("robot {}: {error}", fit.entity);
-        let chassis = own_chassis.copied().unwrap_or_default();
-        robot.insert((chassis, Fitted { chassis: own_chassis.is_none(), ..fitted }));
+        strip(&mut robot, fitted);
         return;
     }
-    robot.insert_if_new(Battery { left: model.battery });
+    robot.insert_if_new((
+        Battery { left: model.battery },
+        RigidBody::Dynamic,
+        Velocity::default(),
+        Friction::coefficient(0.3),
+        Sleeping::disabled(),
+    ));
     let chassis = own_chassis.copied().unwrap_or(model.chassis.into());
     let own_collider = collides && !fitted.collider;
     let own_agent = is_agent && !fitted.agent;
@@ -298,6 +297,7 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
         robot.insert(HeightRange::from(extent));
     }
     let fitted = Fitted {
+        body: !has_body || fitted.body,
         chassis: own_chassis.is_none(),
         collider: !own_collider,
         agent: !own_agent,
@@ -313,4 +313,25 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
         Footprint::Disc => Collider::ball(model.circumscribed_radius as f32),
     };
     robot.insert((collider, ColliderMassProperties::Mass(chassis.mass)));
+}
+
+/// Removes what was added because of the last model.
+fn strip(robot: &mut EntityCommands<'_>, fitted: Fitted) {
+    if fitted.body {
+        robot.remove::<(RigidBody, Velocity)>();
+    }
+    if fitted.chassis {
+        robot.remove::<Chassis>();
+    }
+    if fitted.collider {
+        robot.remove::<(Collider, ColliderMassProperties)>();
+    }
+    if fitted.agent {
+        robot.remove::<ScenarioAgent>();
+    }
+    if fitted.height {
+        robot.remove::<HeightRange>();
+    }
+    // It is at rest, wherever it is put, until another model is allowed.
+    robot.remove::<Fitted>().insert(Wheels::default());
 }

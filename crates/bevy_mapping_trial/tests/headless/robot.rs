@@ -236,9 +236,40 @@ fn numbers_that_are_not_allowed_stand_still() {
         let robot = { robot }.insert(WheelOdometry::new(OdometryProfile::EXACT, 1, 0)).id();
         drive(&mut app, robot, 0.5, 0.3, 1.0);
         assert!(app.world().get::<Collider>(robot).is_none());
-        assert!(position(&app, robot).distance(DVec2::splat(2.0)) < 0.6);
+        assert!(app.world().get::<RigidBody>(robot).is_none());
+        assert_eq!(app.world().get::<Transform>(robot), Some(&place));
         app.world_mut().despawn(robot);
     }
+}
+
+#[test]
+fn a_model_that_is_not_allowed_takes_what_the_last_one_added() {
+    let mut app = app(room(10.0, 10.0));
+    let robot = robot(&mut app, 5.0, 5.0);
+    let own = (RobotModel::default(), RigidBody::Dynamic, HeightRange { bottom: 0.0, top: 1.0 });
+    let own = app.world_mut().spawn((own, Transform::from_xyz(2.0, 2.0, 0.0))).id();
+    step(&mut app, 2);
+    let before = in_rapier(&mut app);
+    let broken = RobotModel(Robot { width: -1.0, ..Robot::default() });
+    for robot in [robot, own] {
+        app.world_mut().entity_mut(robot).insert(broken.clone());
+    }
+    drive(&mut app, robot, 0.5, 0.0, 1.0);
+    let found = app.world().entity(robot);
+    assert!(!found.contains::<RigidBody>() && !found.contains::<Collider>());
+    assert!(!found.contains::<HeightRange>() && !found.contains::<ScenarioAgent>());
+    let found = app.world().entity(own);
+    assert!(found.contains::<RigidBody>() && found.contains::<HeightRange>());
+    assert!(!found.contains::<Collider>());
+    assert_eq!(in_rapier(&mut app), (before.0 - 2, before.1 - 1));
+    let at = app.world().get::<Transform>(robot).unwrap().translation;
+    assert!(at.distance(Vec3::new(5.0, 5.0, 0.0)) < 1e-3, "{at}");
+    app.world_mut().entity_mut(robot).insert(RobotModel::default());
+    app.world_mut().entity_mut(own).insert(RobotModel::default());
+    let from = position(&app, robot);
+    drive(&mut app, robot, 0.5, 0.0, 2.0);
+    assert_eq!(in_rapier(&mut app), before);
+    assert!(position(&app, robot).distance(from) > 0.7);
 }
 
 #[test]
