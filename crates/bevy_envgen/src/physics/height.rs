@@ -36,41 +36,45 @@ impl BevyPhysicsHooks for HeightHooks<'_, '_> {
     }
 }
 
-/// Lets rapier ask [`HeightHooks`] about what does not reach down to the floor: everything on the floor meets.
+/// Whether a range may pass others: all that reach from the floor upwards meet.
+fn passes(height: &HeightRange) -> bool {
+    height.bottom > 0.0 || height.top <= 0.0
+}
+
+/// Lets rapier ask [`HeightHooks`] about what is over the floor, or below it.
 pub(super) fn filter_contacts(
     inserted: On<Insert, HeightRange>,
     heights: Query<(&HeightRange, Option<&ActiveHooks>)>,
     mut commands: Commands,
 ) {
     if let Ok((height, hooks)) = heights.get(inserted.entity)
-        && height.bottom > 0.0
+        && passes(height)
     {
         filter(&mut commands, inserted.entity, hooks);
     }
 }
 
-/// What is no part and has another height.
-type Raised = (Changed<HeightRange>, Without<PartId>);
+/// What may have come below something that has the height. Parts stay where they are spawned.
+type Moved = (Or<(Added<Collider>, Changed<ChildOf>)>, Without<PartId>);
 
-/// The same for bodies whose height changes, and for the colliders below a body that has the height: rapier reads from
-/// colliders what to ask about. Parts stay as they are spawned.
+/// The same for what changes its height, and for the colliders below a body that has the height: rapier reads from
+/// colliders what to ask about.
 pub(super) fn filter_bodies(
-    raised: Query<(Entity, &HeightRange), Raised>,
-    added: Query<Entity, (Added<Collider>, Without<PartId>)>,
+    changed: Query<(Entity, &HeightRange), Changed<HeightRange>>,
+    moved: Query<Entity, Moved>,
     heights: Query<&HeightRange>,
     parents: Query<&ChildOf>,
     children: Query<&Children>,
     colliders: Query<Option<&ActiveHooks>, With<Collider>>,
     mut commands: Commands,
 ) {
-    let is_raised = |entity: Entity| heights.get(entity).is_ok_and(|height| height.bottom > 0.0);
-    let below = |entity: Entity| std::iter::once(entity).chain(children.iter_descendants(entity));
-    let of_raised = raised.iter().filter(|(_, height)| height.bottom > 0.0);
-    let of_raised = of_raised.flat_map(|(entity, _)| below(entity));
-    let below_raised = added
+    let may_pass = |entity: Entity| heights.get(entity).is_ok_and(passes);
+    let changed = changed.iter().filter(|(_, height)| passes(height)).map(|(entity, _)| entity);
+    let moved = moved
         .iter()
-        .filter(|&collider| is_raised(collider) || parents.iter_ancestors(collider).any(is_raised));
-    for collider in of_raised.chain(below_raised) {
+        .filter(|&entity| may_pass(entity) || parents.iter_ancestors(entity).any(may_pass));
+    let below = |entity: Entity| std::iter::once(entity).chain(children.iter_descendants(entity));
+    for collider in changed.chain(moved).flat_map(below) {
         if let Ok(hooks) = colliders.get(collider) {
             filter(&mut commands, collider, hooks);
         }

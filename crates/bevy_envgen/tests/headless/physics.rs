@@ -327,3 +327,61 @@ fn bodies_that_rise_pass_above_what_is_lower() {
         assert!(at > 7.0, "child {is_child}, late {is_late}: stopped at {at}");
     }
 }
+
+#[test]
+fn what_is_below_the_floor_passes_what_is_on_it() {
+    let mut app = test_app();
+    let body = |x: f32, speed: f32, bottom: f64, top: f64| {
+        let velocity = Velocity::linear(Vec2::new(speed, 0.0));
+        let height = HeightRange { bottom, top };
+        (
+            Transform::from_xyz(x, 0.0, 0.0),
+            RigidBody::Dynamic,
+            Collider::ball(0.2),
+            velocity,
+            height,
+        )
+    };
+    let below = app.world_mut().spawn(body(0.0, 1.0, -1.0, -0.1)).id();
+    app.world_mut().spawn(body(2.0, 0.0, 0.0, 0.5));
+    step(&mut app, 256);
+    assert!(app.world().get::<Transform>(below).unwrap().translation.x > 3.5);
+}
+
+#[test]
+fn a_collider_that_is_moved_below_a_raised_body_passes_above_what_is_lower() {
+    let mut app = test_app();
+    let height = |bottom| HeightRange { bottom, top: bottom + 0.2 };
+    let at = |x: f32| Transform::from_xyz(x, 0.0, 0.0);
+    let body = (at(0.0), RigidBody::Dynamic, Velocity::linear(Vec2::X), height(2.0));
+    let body = app.world_mut().spawn(body).id();
+    let collider = app.world_mut().spawn((Collider::ball(0.2), Transform::default())).id();
+    app.world_mut().spawn((at(2.0), RigidBody::Fixed, Collider::ball(0.2), height(0.0)));
+    step(&mut app, 2);
+    app.world_mut().entity_mut(collider).insert(ChildOf(body));
+    step(&mut app, 2);
+    assert!(app.world().get::<ActiveHooks>(collider).is_some());
+    step(&mut app, 256);
+    assert!(app.world().get::<Transform>(body).unwrap().translation.x > 3.5);
+}
+
+#[test]
+fn parts_that_rise_let_pass_what_is_lower() {
+    let spec = ForestSpec { width: 10.0, height: 10.0, intensity: 0.0, ..default() };
+    let mut world = spec.generate(Seed(1)).unwrap().to_world();
+    let (a, b) = (DVec2::new(5.0, 0.0), DVec2::new(5.0, 10.0));
+    world.walls.push(EnvgenWall::new(WallKind::Wall, Shape::Segment { a, b }));
+    let mut app = test_app();
+    spawn_ready(&mut app, Environment::prebuilt(world)).unwrap();
+    step(&mut app, 2);
+    let mut parts = app.world_mut().query_filtered::<&mut HeightRange, With<PartId>>();
+    for mut height in parts.iter_mut(app.world_mut()) {
+        *height = HeightRange { bottom: 1.0, top: 2.0 };
+    }
+    let height = HeightRange { bottom: 0.0, top: 0.5 };
+    let at = Transform::from_xyz(3.0, 5.0, 0.0);
+    let body = (at, RigidBody::Dynamic, Collider::ball(0.2), Velocity::linear(Vec2::X), height);
+    let body = app.world_mut().spawn(body).id();
+    step(&mut app, 256);
+    assert!(app.world().get::<Transform>(body).unwrap().translation.x > 6.5);
+}
