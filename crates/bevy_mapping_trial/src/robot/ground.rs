@@ -79,14 +79,16 @@ impl Terrain<'_, '_> {
 
     /// Whether a laser at a height and a point of rapier's world has no echo in the direction of a unit vector
     /// from what rapier's ray meets after `range` metres, since it is too dark to be seen from there. The
-    /// parts of a tile may share a collider, which cannot tell.
+    /// parts of a tile may share a collider, which cannot tell. A scale of the environment resizes the ranges
+    /// from which dark parts are seen with everything else.
     pub(super) fn is_unseen(&self, height: f64, p: DVec2, direction: DVec2, range: f64) -> bool {
         self.worlds.iter().any(|(index, origin, transform)| {
             let Some(Some(dark)) = index.dark_at(height) else { return false };
             let affine = transform.affine().as_daffine3().inverse();
             let from = affine.transform_point3(p.extend(0.0)).truncate() + origin.0;
             let along = affine.transform_vector3(direction.extend(0.0)).truncate();
-            let hit = dark.cast_along(from, along.normalize_or_zero(), range + SAME_HIT);
+            let range = (range + SAME_HIT) * affine.matrix3.x_axis.length();
+            let hit = dark.cast_along(from, along.normalize_or_zero(), range);
             hit.is_some_and(|hit| dark.is_unseen(hit))
         })
     }

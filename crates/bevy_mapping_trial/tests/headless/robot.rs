@@ -186,6 +186,31 @@ fn dark_walls_are_seen_only_from_near() {
 }
 
 #[test]
+fn dark_walls_are_seen_from_as_near_as_the_environment_is_small() {
+    let mut world = room(20.0, 10.0);
+    world.walls.iter_mut().for_each(|wall| wall.visible_range = Some(3.0));
+    // Seen from everywhere, in front of the dark one.
+    let screen = Shape::Segment { a: DVec2::new(19.0, 0.0), b: DVec2::new(19.0, 3.0) };
+    world.walls.push(Side::new(WallKind::Wall, screen));
+    for scale in [0.25, 2.0] {
+        let mut app = app(world.clone());
+        let root = app.world_mut().query_filtered::<Entity, With<Environment>>();
+        let root = { root }.single(app.world()).unwrap();
+        let scaled = Transform::from_scale(Vec3::new(scale, scale, 1.0));
+        app.world_mut().entity_mut(root).insert(scaled);
+        let mut seen = |x: f32, y: f32| {
+            let robot = robot(&mut app, scale * x, scale * y);
+            ahead(&app, robot)
+        };
+        let scale = f64::from(scale);
+        let (near, far, before_screen) = (seen(17.5, 5.0), seen(12.0, 7.0), seen(14.0, 1.5));
+        assert!(near < 2.6 * scale, "{scale}: {near}");
+        assert!(far.is_nan(), "{scale}: {far}");
+        assert!(before_screen < 5.1 * scale, "{scale}: {before_screen}");
+    }
+}
+
+#[test]
 fn wheels_measure_too_far_on_loose_ground() {
     let mut world = room(20.0, 10.0);
     let loose = Ground::new(SurfaceKind::Loose, Shape::from_rect(world.bounds));
