@@ -17,18 +17,14 @@ pub fn command_of<'a>(
     robot: &Robot,
 ) -> Command {
     let held = |codes: [KeyCode; 2]| if keys.any_pressed(codes) { 1.0 } else { 0.0 };
-    let mut ahead =
-        held([KeyCode::KeyW, KeyCode::ArrowUp]) - held([KeyCode::KeyS, KeyCode::ArrowDown]);
-    let mut left =
+    let ahead = held([KeyCode::KeyW, KeyCode::ArrowUp]) - held([KeyCode::KeyS, KeyCode::ArrowDown]);
+    let left =
         held([KeyCode::KeyA, KeyCode::ArrowLeft]) - held([KeyCode::KeyD, KeyCode::ArrowRight]);
-    for pad in pads {
-        let stick = pad.left_stick();
-        if stick.length() > REST {
-            (ahead, left) = (f64::from(stick.y), f64::from(-stick.x));
-        }
-    }
-    Command {
-        speed: robot.max_speed * ahead.clamp(-1.0, 1.0),
-        turn_rate: robot.max_turn_rate * left.clamp(-1.0, 1.0),
-    }
+    let sticks = pads.into_iter().map(Gamepad::left_stick).filter(|stick| stick.length() > REST);
+    let wanted = sticks.fold(Vec2::new(ahead, left), |largest, stick| {
+        let stick = Vec2::new(stick.y, -stick.x);
+        if stick.length() > largest.length() { stick } else { largest }
+    });
+    let wanted = wanted.clamp(Vec2::NEG_ONE, Vec2::ONE).as_dvec2();
+    Command { speed: robot.max_speed * wanted.x, turn_rate: robot.max_turn_rate * wanted.y }
 }

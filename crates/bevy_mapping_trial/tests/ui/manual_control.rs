@@ -23,7 +23,7 @@ fn keys_drive_within_the_robots_limits() {
 }
 
 #[test]
-fn a_stick_that_is_moved_is_stronger_than_keys() {
+fn what_is_moved_most_drives() {
     let robot = Robot::default();
     let mut pad = Gamepad::default();
     let resting = command_of(&keys(&[KeyCode::KeyW]), [&pad], &robot);
@@ -32,4 +32,15 @@ fn a_stick_that_is_moved_is_stronger_than_keys() {
     pad.analog_mut().set(GamepadAxis::LeftStickY, -0.5);
     let command = command_of(&keys(&[KeyCode::KeyW]), [&pad], &robot);
     assert_eq!(command, Command { speed: -0.35, turn_rate: -1.4 });
+    // Both keys are more than that, and a stick that is moved little is less than one.
+    let command = command_of(&keys(&[KeyCode::KeyW, KeyCode::KeyA]), [&pad], &robot);
+    assert_eq!(command, Command { speed: 0.7, turn_rate: 1.4 });
+    let mut touched = Gamepad::default();
+    touched.analog_mut().set(GamepadAxis::LeftStickY, -0.25);
+    let command = command_of(&keys(&[KeyCode::KeyW]), [&touched], &robot);
+    assert_eq!(command, Command { speed: 0.7, turn_rate: 0.0 });
+    for pads in [[&pad, &touched], [&touched, &pad]] {
+        let command = command_of(&keys(&[]), pads, &robot);
+        assert_eq!(command, Command { speed: -0.35, turn_rate: -1.4 });
+    }
 }
