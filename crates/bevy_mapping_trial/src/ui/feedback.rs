@@ -40,7 +40,8 @@ pub struct FeedbackForm {
     pub ratings: [Option<f64>; 3],
     /// Answers to the open questions, in the form's order.
     pub answers: [String; 5],
-    missing: Option<Unanswered>,
+    /// Whether it was to be handed in before.
+    is_tried: bool,
 }
 
 impl FeedbackForm {
@@ -52,7 +53,7 @@ impl FeedbackForm {
             session,
             ratings: [None; 3],
             answers: Default::default(),
-            missing: None,
+            is_tried: false,
         }
     }
 
@@ -61,25 +62,26 @@ impl FeedbackForm {
     /// # Errors
     /// The first missing rating.
     pub fn fill(&self) -> Result<Feedback, Unanswered> {
-        let rating = |i: usize| {
-            let value = self.ratings[i].and_then(|value| Rating::try_from(value).ok());
-            value.ok_or(Unanswered { question: RATINGS[i] })
-        };
         let [contributed, difficult_rooms, easy_rooms, patterns, other] =
             self.answers.clone().map(|answer| answer.trim().to_owned());
         Ok(Feedback {
             name: self.name.trim().to_owned(),
             experience: self.experience,
             session: self.session.clone(),
-            difficulty: rating(0)?,
-            mapping: rating(1)?,
-            getting_around: rating(2)?,
+            difficulty: self.rating(0)?,
+            mapping: self.rating(1)?,
+            getting_around: self.rating(2)?,
             contributed,
             difficult_rooms,
             easy_rooms,
             patterns,
             other,
         })
+    }
+
+    fn rating(&self, i: usize) -> Result<Rating, Unanswered> {
+        let value = self.ratings[i].and_then(|value| Rating::try_from(value).ok());
+        value.ok_or(Unanswered { question: RATINGS[i] })
     }
 
     /// Draws the form, in a scrolling area of at most `height` points; returns the answers when the
@@ -106,14 +108,13 @@ impl FeedbackForm {
             }
         });
         ui.separator();
-        if let Some(missing) = &self.missing {
+        let missing = (0..RATINGS.len()).find_map(|i| self.rating(i).err());
+        if let Some(missing) = missing.filter(|_| self.is_tried) {
             error(ui, &missing.to_string());
         }
         if ui.button("Hand in").clicked() {
-            match self.fill() {
-                Ok(feedback) => filled = Some(feedback),
-                Err(unanswered) => self.missing = Some(unanswered),
-            }
+            filled = self.fill().ok();
+            self.is_tried = true;
         }
         filled
     }

@@ -241,13 +241,13 @@ impl SpecForm {
         let Some(drafts) = self.texts.get_mut(&self.kind) else { return };
         let mut spec = self.kind.default_spec();
         let mut good = true;
+        self.failure = None;
         for draft in &mut *drafts {
             draft.error = spec.set(draft.setting.name, &draft.text).err().map(|e| e.to_string());
             (draft.reached, draft.requested) = (None, false);
             good &= draft.error.is_none();
         }
         if !good {
-            self.failure = None;
             return;
         }
         let allowed = spec.validate().and_then(|()| {
@@ -266,8 +266,6 @@ impl SpecForm {
                 Some(draft) => draft.error = Some(error.to_string()),
                 None => self.failure = Some(error.to_string()),
             }
-        } else {
-            self.failure = None;
         }
     }
 }

@@ -10,6 +10,11 @@ fn a_form_is_handed_in_when_every_rating_is_given() {
     let size = egui::vec2(480.0, 1200.0);
     assert_eq!(click(size, "Hand in", |ui| form.show(ui, 1000.0)), None);
     assert!(show_in(size, |ui| drop(form.show(ui, 1000.0))).has("not answered yet"));
+    form.ratings = [Some(6.5), None, None];
+    let shown = show_in(size, |ui| drop(form.show(ui, 1000.0)));
+    assert!(shown.has(&Unanswered { question: questions::MAPPING }.to_string()));
+    form.ratings = [Some(6.5), Some(7.0), Some(5.0)];
+    assert!(!show_in(size, |ui| drop(form.show(ui, 1000.0))).has("not answered yet"));
     form.ratings = [Some(6.5), Some(7.0), None];
     assert_eq!(form.fill(), Err(Unanswered { question: questions::GETTING_AROUND }));
     form.ratings[2] = Some(5.0);

@@ -31,6 +31,19 @@ fn errors_are_below_the_setting_they_name() {
 }
 
 #[test]
+fn a_failure_is_shown_until_the_next_change() {
+    let mut form = form(WorldKind::Indoor);
+    let screen = Screen::new(egui::vec2(340.0, 4000.0));
+    screen.retype("indoor.envgen.ron", "no/such.ron", |ui| form.show_file(ui));
+    screen.click("Save", |ui| form.show_file(ui));
+    assert!(screen.show(|ui| drop(form.show(ui))).has("no/such.ron"));
+    // An error of a setting, which allows no check of the others.
+    form.set("doorway", "2.9");
+    assert!(form.error_of("doorway").is_some());
+    assert!(!screen.show(|ui| drop(form.show(ui))).has("no/such.ron"));
+}
+
+#[test]
 fn other_kinds_keep_what_was_typed() {
     let mut form = form(WorldKind::Hallway);
     form.set("segments", "80");
