@@ -18,7 +18,7 @@ use crate::environment::{
 use crate::job::{Generated, GenerationJob, Job, Outcome, PendingEvents, Request, SpawnedTiles};
 use crate::landmarks::EnvironmentLandmarks;
 use crate::place::{check_transform, global_transform, propagate};
-use crate::plan::Plan;
+use crate::plan::{Plan, size};
 use crate::spawn::{Tile, spawn_page};
 use crate::streaming::{StreamAround, Streaming};
 
@@ -90,7 +90,7 @@ pub(crate) fn request_worlds(
         };
         let work = match (&ask.environment.source, ask.environment.extent) {
             (_, EnvironmentExtent::Endless { .. }) => 0.0,
-            (WorldSource::World(world), _) => world.trees.len() as f64 + world.walls.len() as f64,
+            (WorldSource::World(world), _) => size(world) as f64,
             _ => spec.as_ref().map_or(0.0, WorldSpec::work),
         };
         let in_place = match ask.environment.pace {

@@ -161,6 +161,13 @@ fn cell(p: DVec2, side: f64) -> [i32; 2] {
     [cell.x as i32, cell.y as i32]
 }
 
+/// How much there is of a world to check and to sort: parts, points of roads and cells.
+pub(crate) fn size(world: &World) -> usize {
+    let points: usize = world.road_strips.iter().map(|strip| strip.centreline.len()).sum();
+    let cells = world.raster.as_ref().map_or(0, |raster| raster.cells.len());
+    list_lengths(world) + points + cells
+}
+
 /// An estimate of the number of parts, from the lengths of the lists.
 fn list_lengths(world: &World) -> usize {
     let blocks = world.raster.as_ref().map_or(0, |raster| raster.cells.len() / 4096);
@@ -234,6 +241,17 @@ mod tests {
 
     fn parts(plan: &Plan) -> usize {
         plan.tiles.values().map(|tile| tile.parts.len()).sum()
+    }
+
+    #[test]
+    fn cells_and_points_of_roads_are_work() {
+        let landscape = world(WorldKind::Landscape, 1);
+        let cells = landscape.raster.as_ref().unwrap().cells.len();
+        let road = world(WorldKind::Road, 1);
+        let points = road.road_strips.iter().map(|strip| strip.centreline.len()).sum();
+        for (world, least) in [(landscape, cells), (road, points)] {
+            assert!(size(&world) >= least && least > 100, "{} {least}", size(&world));
+        }
     }
 
     #[test]
