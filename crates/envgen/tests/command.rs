@@ -464,7 +464,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
         ),
         (
             vec!["generate", "landscape", "--set", "rows=9999", "--set", "cols=9999", "--out", out],
-            "--set rows=9999: `rows * cols` must be",
+            "--set rows=9999 --set cols=9999: `rows * cols` must be",
         ),
         (vec!["generate", "hallway", "--seed", "-1", "--out", out], "`seed` must be a whole"),
         (
