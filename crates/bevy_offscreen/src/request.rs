@@ -12,7 +12,7 @@ use crate::captured_image::CapturedImage;
 use crate::error::{CaptureError, MOST_FRAMES};
 
 /// Requests a picture of what a camera draws into, an image or a window, as PNG. A few frames later
-/// [`PictureTaken`] or [`PictureFailed`] is triggered on the camera.
+/// [`PictureTaken`] or [`PictureFailed`] is triggered on the camera. Until then a camera that is not active draws.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TakePicture {
     /// The camera.
@@ -51,13 +51,17 @@ pub struct CapturePlugin;
 
 impl Plugin for CapturePlugin {
     fn build(&self, app: &mut App) {
-        app.add_observer(take).add_observer(fail).add_systems(Last, give_up);
+        app.add_observer(take)
+            .add_observer(fail)
+            .add_systems(Last, (capture_woken, give_up).chain());
     }
 }
 
-/// The requests that a screenshot of Bevy answers: it takes one of a target at a time.
+/// The requests that a screenshot of Bevy answers: it takes one of a target at a time. Without a [`Screenshot`] until a
+/// camera that was not active has drawn.
 #[derive(Component)]
 struct Asked {
+    source: RenderTarget,
     target: NormalizedRenderTarget,
     requests: Vec<Request>,
     /// Frames since the first of them.
@@ -68,41 +72,86 @@ struct Request {
     camera: Entity,
     path: PathBuf,
     side: u32,
+    /// Whether the camera is active for it alone.
+    wakes: bool,
 }
 
 fn take(
     request: On<TakePicture>,
-    cameras: Query<(&RenderTarget, Option<&Supersampling>), With<Camera>>,
+    mut cameras: Query<(&mut Camera, &RenderTarget, Option<&Supersampling>)>,
     windows: Query<Entity, With<PrimaryWindow>>,
     mut commands: Commands,
 ) {
     let TakePicture { entity: camera, path } = request.event().clone();
-    let found = cameras.get(camera).ok().and_then(|(target, samples)| {
-        let normalized = target.normalize(windows.iter().next())?;
-        let is_drawn = !matches!(normalized, NormalizedRenderTarget::None { .. });
-        is_drawn.then(|| (target.clone(), normalized, samples.map_or(1, |samples| samples.0)))
+    let found = cameras.get_mut(camera).ok().and_then(|(mut drawing, source, samples)| {
+        let target = source.normalize(windows.iter().next())?;
+        if matches!(target, NormalizedRenderTarget::None { .. }) {
+            return None;
+        }
+        let wakes = !drawing.is_active;
+        if wakes {
+            drawing.is_active = true;
+        }
+        let side = samples.map_or(1, |samples| samples.0);
+        Some((source.clone(), target, Request { camera, path, side, wakes }))
     });
-    let Some((target, normalized, side)) = found else {
+    let Some((source, target, request)) = found else {
         let error = Arc::new(CaptureError::NoCamera { camera });
         commands.trigger(PictureFailed { entity: camera, error });
         return;
     };
-    let request = Request { camera, path, side };
     commands.queue(move |world: &mut World| {
-        let mut waiting = world.query_filtered::<&mut Asked, Without<Capturing>>();
-        if let Some(mut asked) = waiting.iter_mut(world).find(|asked| asked.target == normalized) {
+        let mut waiting =
+            world.query_filtered::<(&mut Asked, Has<Screenshot>), Without<Capturing>>();
+        // What was not active is not drawn in this frame.
+        let wakes = request.wakes;
+        let suits = |asked: &Asked, is_due: bool| asked.target == target && !(wakes && is_due);
+        let found = waiting.iter_mut(world).find(|(asked, is_due)| suits(asked, *is_due));
+        if let Some((mut asked, _)) = found {
             asked.requests.push(request);
-        } else {
-            let asked = Asked { target: normalized, requests: vec![request], frames: 0 };
-            world.spawn((Screenshot(target), asked)).observe(answer);
+            return;
+        }
+        let asked = Asked { source: source.clone(), target, requests: vec![request], frames: 0 };
+        let mut picture = world.spawn(asked);
+        picture.observe(answer);
+        if !wakes {
+            picture.insert(Screenshot(source));
         }
     });
 }
 
+/// Asks for the pictures of cameras that have been active for a whole frame.
+fn capture_woken(
+    waiting: Query<(Entity, &Asked), (Without<Screenshot>, Without<Capturing>)>,
+    mut commands: Commands,
+) {
+    for (entity, asked) in &waiting {
+        if asked.frames > 0 && !asked.requests.is_empty() {
+            commands.entity(entity).insert(Screenshot(asked.source.clone()));
+        }
+    }
+}
+
+/// Lets a camera rest again that was active for a request alone.
+fn rest(request: &Request, cameras: &mut Query<&mut Camera>) {
+    if request.wakes
+        && let Ok(mut camera) = cameras.get_mut(request.camera)
+    {
+        camera.is_active = false;
+    }
+}
+
 /// Writes a picture for all that asked for it.
-fn answer(captured: On<ScreenshotCaptured>, mut all: Query<&mut Asked>, mut commands: Commands) {
+fn answer(
+    captured: On<ScreenshotCaptured>,
+    mut all: Query<&mut Asked>,
+    mut cameras: Query<&mut Camera>,
+    mut commands: Commands,
+) {
     let Ok(mut asked) = all.get_mut(captured.entity) else { return };
-    for Request { camera, path, side } in std::mem::take(&mut asked.requests) {
+    for request in std::mem::take(&mut asked.requests) {
+        rest(&request, &mut cameras);
+        let Request { camera, path, side, .. } = request;
         let picture = CapturedImage::averaged(&captured.image, side);
         match picture.and_then(|picture| picture.write_png(&path)) {
             Ok(()) => commands.trigger(PictureTaken { entity: camera, path }),
@@ -124,9 +173,16 @@ fn give_up(mut all: Query<(Entity, &mut Asked)>, mut commands: Commands) {
 }
 
 /// Tells those that still wait for a screenshot that it is gone.
-fn fail(gone: On<Remove, Asked>, mut all: Query<&mut Asked>, mut commands: Commands) {
+fn fail(
+    gone: On<Remove, Asked>,
+    mut all: Query<&mut Asked>,
+    mut cameras: Query<&mut Camera>,
+    mut commands: Commands,
+) {
     let Ok(mut asked) = all.get_mut(gone.entity) else { return };
-    for Request { camera, .. } in std::mem::take(&mut asked.requests) {
+    for request in std::mem::take(&mut asked.requests) {
+        rest(&request, &mut cameras);
+        let camera = request.camera;
         let error = Arc::new(CaptureError::Lost { frames: MOST_FRAMES });
         commands.trigger(PictureFailed { entity: camera, error });
     }

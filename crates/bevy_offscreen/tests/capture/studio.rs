@@ -87,6 +87,26 @@ fn an_app_asks_for_pictures_of_its_cameras() {
 }
 
 #[test]
+fn a_camera_that_is_not_active_draws_for_a_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut studio = studio();
+    let camera = studio.camera(Rect::new(0.0, 0.0, 10.0, 10.0), SIZE).unwrap();
+    studio.app().world_mut().get_mut::<Camera>(camera).unwrap().is_active = false;
+    studio.step().unwrap();
+    let path = folder.path().join("camera.png");
+    studio.app().world_mut().trigger(TakePicture { entity: camera, path: path.clone() });
+    for _ in 0..10 {
+        studio.step().unwrap();
+    }
+    assert!(!studio.app().world().get::<Camera>(camera).unwrap().is_active);
+    let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut pixels).unwrap();
+    assert!(pixels.iter().all(|value| *value == 255));
+}
+
+#[test]
 fn what_cannot_be_drawn_is_reported() {
     let mut studio = studio();
     let area = Rect::new(0.0, 0.0, 10.0, 10.0);
