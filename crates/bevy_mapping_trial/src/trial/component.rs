@@ -16,7 +16,8 @@ use super::camera::Camera;
 /// the component [`TrialRobot`], and [`TrialStarted`](super::TrialStarted) is triggered. When the
 /// environment gets another world, the trial begins again; while it has none, such as while it is
 /// tilted, there are no robots. Removing the component or despawning the environment removes the
-/// robots. A robot that is despawned ends its part in the trial. Scenes and clones do not hold it; their robots are
+/// robots. Until then the environment has the `EnvironmentColliders` that the robots need, also where an app inserts
+/// others. A robot that is despawned ends its part in the trial. Scenes and clones do not hold it; their robots are
 /// despawned. The events are
 /// [`TrialStarted`](super::TrialStarted), [`TrialEnded`](super::TrialEnded) and
 /// [`TrialFailed`](super::TrialFailed).

@@ -43,6 +43,7 @@
 mod bodies;
 mod camera;
 mod clones;
+mod colliders;
 mod component;
 mod error;
 mod event;

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_rapier2d::prelude::PhysicsSet;
 
 use super::component::{ManualControl, MappingTrial, TrialRobot};
-use super::{clones, run};
+use super::{clones, colliders, run};
 use crate::robot::{RobotPlugin, RobotSystems};
 
 /// The systems of trials, before and after those of robots.
@@ -47,6 +47,7 @@ impl Plugin for TrialPlugin {
             .register_type::<MappingTrial>()
             .register_type::<TrialRobot>()
             .add_observer(run::leave)
+            .add_observer(colliders::give_back)
             .add_observer(run::lose_world)
             .configure_sets(
                 self.schedule,
@@ -58,7 +59,13 @@ impl Plugin for TrialPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    (clones::dismiss, run::refuse_endless, run::begin, run::command)
+                    (
+                        clones::dismiss,
+                        run::refuse_endless,
+                        run::begin,
+                        colliders::replace,
+                        run::command,
+                    )
                         .chain()
                         .in_set(TrialSystems::Command),
                     run::record.in_set(TrialSystems::Record),

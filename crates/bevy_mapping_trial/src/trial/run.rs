@@ -1,7 +1,6 @@
 //! The systems of trials.
 
 use bevy::prelude::*;
-use bevy_envgen::physics::{ColliderSettings, EnvironmentColliders};
 use bevy_envgen::scenario::RestartScenario;
 use bevy_envgen::{
     EndlessTruth, EnvironmentScenario, EnvironmentState, GroundTruth, ScenarioFailure, ScenarioRun,
@@ -10,10 +9,8 @@ use bevy_envgen::{
 use bevy_rapier2d::prelude::TimestepMode;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
-use envgen::world::Extent;
 use mapping_trial::backend::{Command, Condition, RobotBackend, Sensors, TICK};
 use mapping_trial::lidar::Scan;
-use mapping_trial::robot::Robot;
 use mapping_trial::trial::{EndReason, Trial, TrialBuilder, TrialLog};
 
 use super::bodies::{ENGINE, RapierRobots, TickReport};
@@ -42,7 +39,6 @@ type Asked = (
         Option<&'static mut ScenarioRun>,
         Option<&'static ScenarioFailure>,
     ),
-    Option<&'static EnvironmentColliders>,
 );
 
 /// Begins trials whose worlds are ready, and begins those again whose worlds or scenarios have changed.
@@ -50,10 +46,9 @@ pub(super) fn begin(
     mut trials: Query<Asked>,
     fixed: Res<Time<Fixed>>,
     rapier: Option<Res<TimestepMode>>,
-    colliders: Option<Res<ColliderSettings>>,
     mut commands: Commands,
 ) {
-    for (entity, mut trial, origin, state, truth, transform, scenario, own) in &mut trials {
+    for (entity, mut trial, origin, state, truth, transform, scenario) in &mut trials {
         let (request, mut moving, failure) = scenario;
         let place = Place {
             world: truth.0.clone(),
@@ -99,11 +94,6 @@ pub(super) fn begin(
             // In a later tick.
             Ok(None) => {}
             Ok(Some(mut placed)) => {
-                let settings = own.map(|own| own.0).or(colliders.as_deref().copied());
-                let body = &placed.settings().body;
-                if let Some(wanted) = colliders_for(settings.unwrap_or_default(), body, truth) {
-                    commands.entity(entity).insert(EnvironmentColliders(wanted));
-                }
                 let robots = spawn(&mut commands, (entity, *origin), transform, &mut placed);
                 let scans = vec![0; robots.len()];
                 let script = match &trial.ask {
@@ -254,25 +244,6 @@ fn start(
         }
         Request::Replay(log) => log.replay_with(world, bodies)?,
     })
-}
-
-/// The colliders that stop a robot, and that its laser sees, exactly where the parts of the world do; `None` where
-/// `settings` are such already.
-fn colliders_for(
-    settings: ColliderSettings,
-    body: &Robot,
-    world: &envgen::World,
-) -> Option<ColliderSettings> {
-    let laser = body.laser_mount.height;
-    let is_met = |lintel: Extent| {
-        lintel.contains(laser) || body.extent().is_ok_and(|body| body.overlaps(lintel))
-    };
-    let wanted = ColliderSettings {
-        full_height: settings.full_height.max(laser),
-        lintels: settings.lintels || world.lintels().into_iter().flatten().any(is_met),
-        ..settings
-    };
-    (wanted != settings).then_some(wanted)
 }
 
 /// Spawns the robots of a trial as children of its environment.

@@ -132,8 +132,8 @@ fn lintels_stop_what_is_higher_than_the_opening() {
     }
 }
 
-/// The ranges ahead of a trial's first scan.
-fn first_range(world: EnvWorld, body: Robot) -> f64 {
+/// An app for trials, in which an update is a tick.
+fn app_for_trials() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, TopDownPhysicsPlugin::for_trials()));
     let colliders = EnvgenPhysicsPlugin::default().with_colliders(ColliderSettings::for_trials());
@@ -142,11 +142,19 @@ fn first_range(world: EnvWorld, body: Robot) -> f64 {
     app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(tick));
     app.finish();
     app.cleanup();
-    let offset = body.laser_offset;
+    app
+}
+
+fn trial_of(body: Robot) -> MappingTrial {
     let laser = LaserProfile::USARSIM;
-    let settings = TrialSettings { seed: Seed(1), body, laser, ..Default::default() };
-    let trial =
-        app.world_mut().spawn((Environment::prebuilt(world), MappingTrial::new(settings))).id();
+    MappingTrial::new(TrialSettings { seed: Seed(1), body, laser, ..Default::default() })
+}
+
+/// The ranges ahead of a trial's first scan.
+fn first_range(world: EnvWorld, body: Robot) -> f64 {
+    let mut app = app_for_trials();
+    let offset = body.laser_offset;
+    let trial = app.world_mut().spawn((Environment::prebuilt(world), trial_of(body))).id();
     step(&mut app, 3);
     let robot = app.world().get::<MappingTrial>(trial).unwrap().robots()[0];
     let scan = app.world().get::<LaserScan>(robot).unwrap();
@@ -165,6 +173,39 @@ fn the_colliders_of_a_trial_are_those_of_its_robot() {
     ] {
         let range = first_range(world, body);
         assert!((range - expected).abs() < 0.1, "{range}, not {expected}");
+    }
+}
+
+#[test]
+fn a_trial_keeps_the_colliders_that_it_needs_and_then_gives_them_back() {
+    let own = ColliderSettings { friction: 0.2, ..ColliderSettings::for_trials() };
+    for own in [None, Some(EnvironmentColliders(own))] {
+        let mut app = app_for_trials();
+        let desk = Environment::prebuilt(with_block(0.0, 0.75));
+        let root = app.world_mut().spawn(desk.with_pace(GenerationMode::Blocking)).id();
+        if let Some(own) = own {
+            app.world_mut().entity_mut(root).insert(own);
+        }
+        step(&mut app, 3);
+        let before = in_rapier(&mut app);
+        let colliders = |app: &App| app.world().get::<EnvironmentColliders>(root).copied();
+        app.world_mut().entity_mut(root).insert(trial_of(robot(1.0, 0.8)));
+        step(&mut app, 3);
+        assert_eq!(colliders(&app).map(|during| during.full_height), Some(0.8));
+        app.world_mut().entity_mut(root).remove::<MappingTrial>();
+        step(&mut app, 3);
+        assert_eq!((colliders(&app), in_rapier(&mut app)), (own, before));
+        // Those that an app inserts meanwhile.
+        app.world_mut().entity_mut(root).insert(trial_of(robot(1.0, 0.8)));
+        step(&mut app, 3);
+        let others = ColliderSettings { friction: 0.9, ..ColliderSettings::for_trials() };
+        app.world_mut().entity_mut(root).insert(EnvironmentColliders(others));
+        step(&mut app, 3);
+        let during = ColliderSettings { full_height: 0.8, ..others };
+        assert_eq!(colliders(&app), Some(EnvironmentColliders(during)));
+        app.world_mut().entity_mut(root).remove::<MappingTrial>();
+        step(&mut app, 3);
+        assert_eq!(colliders(&app), Some(EnvironmentColliders(others)));
     }
 }
 

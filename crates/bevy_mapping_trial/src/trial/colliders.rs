@@ -1,0 +1,87 @@
+//! The colliders that a trial needs, in place of those of its environment.
+
+use bevy::prelude::*;
+use bevy_envgen::GroundTruth;
+use bevy_envgen::physics::{ColliderSettings, EnvironmentColliders};
+use envgen::world::Extent;
+use mapping_trial::robot::Robot;
+
+use super::component::{MappingTrial, State};
+
+/// What a trial has replaced, beside it.
+#[derive(Component)]
+#[component(clone_behavior = Ignore)]
+pub(super) struct ReplacedColliders {
+    before: Option<EnvironmentColliders>,
+    during: EnvironmentColliders,
+}
+
+/// A trial and the colliders of its environment.
+type Needing = (
+    Entity,
+    &'static MappingTrial,
+    &'static GroundTruth,
+    Option<&'static EnvironmentColliders>,
+    Option<&'static ReplacedColliders>,
+);
+
+/// What a trial needs may have changed.
+type Renewed = Or<(Changed<MappingTrial>, Changed<EnvironmentColliders>)>;
+
+/// Gives trials that have begun the colliders that they need, also where an app has inserted others.
+pub(super) fn replace(
+    trials: Query<Needing, Renewed>,
+    settings: Option<Res<ColliderSettings>>,
+    mut commands: Commands,
+) {
+    for (entity, trial, truth, own, replaced) in &trials {
+        let (State::Warming(run) | State::Running(run)) = &trial.state else { continue };
+        let found = own.map(|own| own.0).or(settings.as_deref().copied()).unwrap_or_default();
+        let Some(wanted) = colliders_for(found, &run.trial.settings().body, truth) else {
+            continue;
+        };
+        let during = EnvironmentColliders(wanted);
+        let before = match replaced {
+            Some(replaced) if own == Some(&replaced.during) => replaced.before,
+            _ => own.copied(),
+        };
+        commands.entity(entity).insert((during, ReplacedColliders { before, during }));
+    }
+}
+
+/// Gives an environment its colliders back when its trial is removed.
+pub(super) fn give_back(gone: On<Discard, MappingTrial>, mut commands: Commands) {
+    let entity = gone.entity;
+    commands.queue(move |world: &mut World| {
+        let others = world.get_resource::<ColliderSettings>().copied().unwrap_or_default();
+        let Ok(mut root) = world.get_entity_mut(entity) else { return };
+        let Some(ReplacedColliders { before, during }) = root.take() else { return };
+        if root.get() != Some(&during) {
+            return;
+        }
+        // Only inserting it replaces colliders that are there.
+        root.insert(before.unwrap_or(EnvironmentColliders(others)));
+        if before.is_none() {
+            root.remove::<EnvironmentColliders>();
+        }
+    });
+}
+
+/// The colliders that stop a robot, and that its laser sees, exactly where the parts of the world do; `None` where
+/// `settings` are such already.
+fn colliders_for(
+    settings: ColliderSettings,
+    body: &Robot,
+    world: &envgen::World,
+) -> Option<ColliderSettings> {
+    let laser = body.laser_mount.height;
+    let is_met = |lintel: Extent| {
+        lintel.contains(laser) || body.extent().is_ok_and(|body| body.overlaps(lintel))
+    };
+    let wanted = ColliderSettings {
+        full_height: settings.full_height.max(laser),
+        lintels: settings.lintels || world.lintels().into_iter().flatten().any(is_met),
+        ..settings
+    };
+    (wanted != settings).then_some(wanted)
+}
