@@ -45,39 +45,51 @@ const ARROW: f32 = 0.06;
 #[derive(Component)]
 pub(super) struct MapMark;
 
-type Looks<'w, 's, T> =
-    Query<'w, 's, (&'static T, &'static mut Transform, &'static mut Projection)>;
+/// What is above a camera.
+type Above<'a> = Option<&'a ChildOf>;
+
+/// The places of cameras and arrows, and how these are propagated: before Bevy does.
+type Places<'w, 's> = ParamSet<
+    'w,
+    's,
+    (
+        TransformHelper<'static, 'static>,
+        Query<'static, 'static, (&'static mut Transform, &'static mut Projection)>,
+        Query<'static, 'static, &'static mut Transform, With<MapMark>>,
+    ),
+>;
 
 /// Moves cameras to their robots.
 pub(super) fn follow(
-    trials: Query<(&TrialSights, &GlobalTransform), With<TrialView>>,
-    mut cameras: Looks<'_, '_, FollowRobot>,
+    trials: Query<&TrialSights, With<TrialView>>,
+    cameras: Query<(Entity, &FollowRobot, Above<'_>)>,
+    mut places: Places<'_, '_>,
 ) {
-    for (follow, mut place, mut projection) in &mut cameras {
-        let Ok((sights, frame)) = trials.get(follow.trial) else { continue };
+    for (camera, follow, above) in &cameras {
+        let Ok(sights) = trials.get(follow.trial) else { continue };
         let robot = sights.robots.get(follow.robot).or(sights.robots.last());
-        let Some(at) = robot else { continue };
+        let Some(&at) = robot else { continue };
         let scaling = ScalingMode::FixedVertical { viewport_height: follow.height };
-        look(frame.transform_point(at.extend(0.0)), scaling, &mut place, &mut projection);
+        look(&mut places, camera, above, (follow.trial, at), scaling);
     }
 }
 
 /// Fits cameras to their maps, and the arrows to the last of them.
 pub(super) fn show_maps(
-    trials: Query<(&TrialSights, &GlobalTransform), With<TrialView>>,
-    mut cameras: Looks<'_, '_, ShowWholeMap>,
-    mut marks: Query<&mut Transform, (With<MapMark>, Without<ShowWholeMap>)>,
+    trials: Query<&TrialSights, With<TrialView>>,
+    cameras: Query<(Entity, &ShowWholeMap, Above<'_>)>,
+    mut places: Places<'_, '_>,
 ) {
     let mut arrow = None;
-    for (whole, mut place, mut projection) in &mut cameras {
-        let Ok((sights, frame)) = trials.get(whole.trial) else { continue };
+    for (camera, whole, above) in &cameras {
+        let Ok(sights) = trials.get(whole.trial) else { continue };
         let Some(map) = sights.map else { continue };
         let size = (map.size() + 2.0 * whole.margin).max(Vec2::splat(LEAST));
         let scaling = ScalingMode::AutoMin { min_width: size.x, min_height: size.y };
-        look(frame.transform_point(map.center().extend(0.0)), scaling, &mut place, &mut projection);
+        look(&mut places, camera, above, (whole.trial, map.center()), scaling);
         arrow = Some(ARROW * size.max_element());
     }
-    for mut mark in &mut marks {
+    for mut mark in &mut places.p2() {
         if let Some(length) = arrow
             && mark.scale.x != length
         {
@@ -86,16 +98,28 @@ pub(super) fn show_maps(
     }
 }
 
+/// Lets a camera look at a point of an environment.
 fn look(
-    at: Vec3,
+    places: &mut Places<'_, '_>,
+    camera: Entity,
+    above: Above<'_>,
+    (environment, at): (Entity, Vec2),
     scaling: ScalingMode,
-    place: &mut Mut<'_, Transform>,
-    projection: &mut Mut<'_, Projection>,
 ) {
-    let wanted = Transform { translation: at.truncate().extend(place.translation.z), ..**place };
+    let frames = places.p0();
+    let Ok(frame) = frames.compute_global_transform(environment) else { return };
+    let at = frame.transform_point(at.extend(0.0));
+    let above = above.and_then(|above| frames.compute_global_transform(above.parent()).ok());
+    let at = above.map_or(at, |above| above.affine().inverse().transform_point3(at));
+    let mut cameras = places.p1();
+    let Ok((mut place, mut projection)) = cameras.get_mut(camera) else { return };
+    let wanted = Transform { translation: at.truncate().extend(place.translation.z), ..*place };
     place.set_if_neq(wanted);
-    let known = matches!(&**projection, Projection::Orthographic(seen) if same(seen.scaling_mode, scaling) && seen.scale == 1.0);
-    if !known && let Projection::Orthographic(seen) = &mut **projection {
+    let known = match &*projection {
+        Projection::Orthographic(seen) => same(seen.scaling_mode, scaling) && seen.scale == 1.0,
+        _ => false,
+    };
+    if !known && let Projection::Orthographic(seen) = &mut *projection {
         seen.scaling_mode = scaling;
         seen.scale = 1.0;
     }

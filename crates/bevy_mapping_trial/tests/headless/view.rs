@@ -463,6 +463,21 @@ fn cameras_look_at_robots_and_maps() {
     assert!(at.distance(map.center()) < 1e-3);
     let ScalingMode::AutoMin { min_width, min_height } = scaling else { panic!("{scaling:?}") };
     assert!(min_width >= map.width() + 2.0 && min_height >= map.height() + 2.0);
+
+    // In the same frame where the environment moves, and below something that has a place of its own.
+    let cart = Transform::from_xyz(4.0, -3.0, 0.0).with_rotation(Quat::from_rotation_z(1.0));
+    let cart = app.world_mut().spawn(cart).id();
+    let carried = FollowRobot { trial: root, robot: 0, height: 12.0 };
+    let carried = app.world_mut().spawn((Camera2d, carried, ChildOf(cart))).id();
+    let moved = Transform::from_xyz(30.0, 0.0, 0.0);
+    app.world_mut().entity_mut(root).insert(moved);
+    step(&mut app, 1);
+    let sights = app.world().get::<TrialSights>(root).unwrap().clone();
+    let robot = sights.robots[0] + Vec2::new(30.0, 0.0);
+    assert!(look(&app, near).0.distance(robot) < 1e-3);
+    assert!(look(&app, whole).0.distance(map.center() + Vec2::new(30.0, 0.0)) < 1e-3);
+    let at = app.world().get::<GlobalTransform>(carried).unwrap().translation().truncate();
+    assert!(at.distance(robot) < 1e-3, "{at}");
 }
 
 #[test]
