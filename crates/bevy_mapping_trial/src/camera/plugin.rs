@@ -22,11 +22,12 @@ impl Plugin for RobotCameraPlugin {
     fn build(&self, app: &mut App) {
         app.register_type::<RobotCamera>()
             .register_type::<RobotCameraView>()
+            .register_type::<shutter::Eye>()
             .init_resource::<shutter::Scenes>()
             .add_observer(shutter::remove)
             .add_observer(shutter::fit)
             .add_observer(shutter::develop)
-            .add_systems(First, shutter::close)
+            .add_systems(First, (shutter::close, shutter::remove_clones))
             .add_systems(
                 PostUpdate,
                 shutter::shoot

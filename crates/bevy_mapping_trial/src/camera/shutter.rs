@@ -48,15 +48,22 @@ pub struct CameraFailed {
     pub error: CameraError,
 }
 
-/// What draws the colours of a [`RobotCamera`], on the same entity.
+/// What draws the colours of a [`RobotCamera`], on the same entity. Scenes and clones do not hold it: they get another.
 #[derive(Component, Clone, Debug, Reflect)]
-#[reflect(Component, Debug, Clone)]
+#[component(clone_behavior = Ignore)]
+#[reflect(from_reflect = false)]
+#[reflect(Component, Debug)]
 pub struct RobotCameraView {
     /// The last picture, for panels and sprites.
     pub image: Handle<Image>,
     /// The [`Camera3d`], a child of the robot. It is active only while it takes a picture.
     pub camera: Entity,
 }
+
+/// On the camera of a [`RobotCameraView`]. Scenes and clones have it, so that their cameras are found.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
+#[reflect(Component, Default, Debug, PartialEq, Clone)]
+pub(super) struct Eye;
 
 /// Whether the camera of a robot took the picture of a time.
 #[derive(Component, Default)]
@@ -124,6 +131,7 @@ pub(super) fn fit(
     };
     let eye = commands.spawn((
         Name::new("Robot's camera"),
+        Eye,
         Camera3d::default(),
         Camera { is_active: false, ..default() },
         RenderTarget::Image(image.clone().into()),
@@ -150,6 +158,19 @@ pub(super) fn remove(
     }
     if let Ok(mut robot) = commands.get_entity(gone.entity) {
         robot.try_remove::<(RobotCameraView, Shutter)>();
+    }
+}
+
+/// Despawns the cameras that came out of a scene, or as clones, together with their robot.
+pub(super) fn remove_clones(
+    added: Query<(Entity, &ChildOf), Added<Eye>>,
+    views: Query<&RobotCameraView>,
+    mut commands: Commands,
+) {
+    for (eye, robot) in &added {
+        if !views.get(robot.parent()).is_ok_and(|view| view.camera == eye) {
+            commands.entity(eye).try_despawn();
+        }
     }
 }
 

@@ -31,6 +31,28 @@ fn errors(camera: RobotCamera, world: Option<Environment>) -> Vec<CameraError> {
 }
 
 #[test]
+fn a_clone_of_a_robot_has_one_camera_of_its_own() {
+    let plugins = (EnvgenPlugins::default(), RobotPlugin::default(), RobotCameraPlugin);
+    let mut app = test_app_with(plugins);
+    app.init_asset::<Image>();
+    let robot = app.world_mut().spawn((RobotModel::default(), RobotCamera::default())).id();
+    step(&mut app, 1);
+    let clone = app.world_mut().entity_mut(robot).clone_and_spawn_with_opt_out(|builder| {
+        builder.linked_cloning(true);
+    });
+    step(&mut app, 2);
+    let mut cameras = app.world_mut().query_filtered::<&ChildOf, With<Camera3d>>();
+    let mut of = |app: &App| cameras.iter(app.world()).map(ChildOf::parent).collect::<Vec<_>>();
+    assert_eq!(of(&app).len(), 2);
+    assert!(of(&app).contains(&robot) && of(&app).contains(&clone));
+    let view = |app: &App, robot| app.world().get::<RobotCameraView>(robot).unwrap().camera;
+    assert_ne!(view(&app, robot), view(&app, clone));
+    app.world_mut().entity_mut(clone).remove::<RobotCamera>();
+    step(&mut app, 1);
+    assert_eq!(of(&app), [robot]);
+}
+
+#[test]
 fn errors_say_what_is_missing() {
     let images = CameraImages { color: false, ..default() };
     let blind = RobotCamera { images, ..default() };
