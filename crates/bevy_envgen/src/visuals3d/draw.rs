@@ -1,10 +1,8 @@
 //! Draws the parts of a tile.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use bevy::prelude::*;
-use envgen::World as EnvgenWorld;
 use envgen::mesh::Mesh as Solid;
 use envgen::pieces::pieces_of;
 use envgen::world::Extent;
@@ -28,7 +26,6 @@ use crate::visuals::ground::class_rectangles;
 /// The lintels and the ceilings' height of the world of an environment, for which all its walls are looked at.
 #[derive(Component)]
 struct Overhead {
-    of: Arc<EnvgenWorld>,
     lintels: Vec<Option<Extent>>,
     wall_top: f64,
 }
@@ -68,18 +65,17 @@ fn find_overhead(world: &mut World, spawned: &TileSpawned) {
             matches!(id.kind, PartKind::Doorway | PartKind::Room | PartKind::Surface)
         })
     };
-    let Some(truth) = world.get::<GroundTruth>(spawned.environment).map(|truth| truth.0.clone())
-    else {
-        return;
-    };
-    let known = world.get::<Overhead>(spawned.environment);
-    if known.is_some_and(|known| Arc::ptr_eq(&known.of, &truth))
-        || !spawned.parts.iter().any(is_below)
-    {
+    let Some(truth) = world.get::<GroundTruth>(spawned.environment) else { return };
+    if world.get::<Overhead>(spawned.environment).is_some() || !spawned.parts.iter().any(is_below) {
         return;
     }
     let (lintels, wall_top) = (truth.lintels(), truth.wall_top());
-    world.entity_mut(spawned.environment).insert(Overhead { of: truth, lintels, wall_top });
+    world.entity_mut(spawned.environment).insert(Overhead { lintels, wall_top });
+}
+
+/// Forgets what was overhead in a world that is gone.
+pub(super) fn forget_overhead(gone: On<Discard, GroundTruth>, mut commands: Commands) {
+    commands.entity(gone.entity).try_remove::<Overhead>();
 }
 
 /// The bodies of a tile by finish, without trees.

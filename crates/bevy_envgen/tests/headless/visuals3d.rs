@@ -1,6 +1,7 @@
 //! What worlds consist of in three dimensions, without anything that draws.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use bevy::light::IrradianceVolume;
 use bevy::mesh::{MeshPlugin, MeshTag};
@@ -12,7 +13,7 @@ use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth, wait_until_ready};
 use bevy_envgen::visuals3d::{Finish, Palette3d, Stage, Sun, TileMesh};
 
-use crate::specs;
+use crate::{GenerateWorld, specs};
 
 /// An app that could draw, but for the GPU.
 fn app() -> App {
@@ -53,6 +54,24 @@ fn volume(app: &mut App, is_counted: impl Fn(Finish) -> bool) -> (f64, Vec3, Vec
         }
     }
     (whole, low, high)
+}
+
+#[test]
+fn nothing_is_kept_of_a_world_that_is_gone() {
+    let world = Arc::new(IndoorSpec::default().generate_world(4));
+    let indoor = || Environment::prebuilt(world.clone()).with_pace(GenerationMode::Blocking);
+    let forest = Environment::new(ForestSpec::default(), 1).with_pace(GenerationMode::Blocking);
+    let mut app = app();
+    let root = spawn_ready(&mut app, indoor()).unwrap();
+    assert!(Arc::strong_count(&world) > 1);
+    app.world_mut().entity_mut(root).remove::<Environment>();
+    step(&mut app, 2);
+    assert_eq!(Arc::strong_count(&world), 1);
+    app.world_mut().entity_mut(root).insert(indoor());
+    step(&mut app, 2);
+    app.world_mut().entity_mut(root).insert(forest);
+    step(&mut app, 2);
+    assert_eq!(Arc::strong_count(&world), 1);
 }
 
 #[test]
