@@ -23,7 +23,8 @@ use thiserror::Error;
 /// also for a clone of the entity.
 ///
 /// Units are metres, x right and y up in the entity's frame. A scale other than 1 resizes the whole
-/// world; it must be positive and the same along x and y.
+/// world, but for the heights that decide what stops bodies and lasers: see [`HeightRange`](crate::HeightRange).
+/// It must be positive and the same along x and y.
 ///
 /// ```
 /// use bevy::prelude::*;

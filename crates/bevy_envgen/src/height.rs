@@ -4,7 +4,8 @@ use bevy::prelude::*;
 #[cfg(feature = "serialize")]
 use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 
-/// Bottom and top of a part, or of a body, in metres above the floor. Doorways have those of their opening.
+/// Bottom and top of a part, or of a body, in metres above the floor. Doorways have those of their opening. Transforms
+/// do not change them: in an environment of another scale they are still those of the world.
 ///
 /// Rapier is flat: with `TopDownPhysicsPlugin`, two bodies that both have this component collide only
 /// where their ranges overlap, so that a low robot passes below a table. A body without it is as high

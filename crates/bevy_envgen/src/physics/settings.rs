@@ -43,8 +43,9 @@ pub struct ColliderSettings {
     /// Whether the solid parts of a tile share one collider.
     pub merge: ColliderMerging,
     /// Solids of a merged tile that are on the floor and at least this many metres high count as high as
-    /// everything. Lower ones, and those above the floor, share a collider with others of their
-    /// [`HeightRange`](crate::HeightRange) alone. At least as high as the highest laser, so that it sees what it should.
+    /// everything, in metres of the world, whatever the environment's scale. Lower ones, and those above the floor,
+    /// share a collider with others of their [`HeightRange`](crate::HeightRange) alone. At least as high as the
+    /// highest laser, so that it sees what it should.
     pub full_height: f64,
     /// Whether there are colliders over doorways, which only robots that are higher than a door need. A ray
     /// whose filter does not ask for their [`HeightRange`](crate::HeightRange) does not pass the doorway.
