@@ -32,12 +32,12 @@ pub use class_png::read_class_png;
 #[cfg(feature = "geojson")]
 pub use geojson::read_geojson;
 pub use houseexpo::read_houseexpo;
-#[cfg(feature = "ros")]
 use made_by::IMPORT;
 #[cfg(feature = "paths")]
 pub use movingai::{read_map, read_scenarios};
 pub use plan_error::PlanError;
 pub use raster::{ImportedRaster, RasterFileError, read_raster_json};
+#[cfg(feature = "ros")]
 use ros_map::{RosMapError, UnknownCells};
 
 use crate::file::{self, FileError};

@@ -29,5 +29,6 @@ pub(crate) use part::{MAX_WHEEL_BIAS, is_visible_range};
 pub use part_id::{PartId, PartKind};
 pub use raster::ClassRaster;
 pub use road::RoadMesh;
+#[cfg(feature = "geojson")]
 pub(crate) use simple_polygon::is_simple;
 pub use solids::Solid;
