@@ -120,11 +120,11 @@ fn take(
     });
 }
 
+/// What is not asked of Bevy yet.
+type Unasked = (Without<Screenshot>, Without<Capturing>);
+
 /// Asks for the pictures of cameras that have been active for a whole frame.
-fn capture_woken(
-    waiting: Query<(Entity, &Asked), (Without<Screenshot>, Without<Capturing>)>,
-    mut commands: Commands,
-) {
+fn capture_woken(waiting: Query<(Entity, &Asked), Unasked>, mut commands: Commands) {
     for (entity, asked) in &waiting {
         if asked.frames > 0 && !asked.requests.is_empty() {
             commands.entity(entity).insert(Screenshot(asked.source.clone()));
