@@ -311,10 +311,10 @@ mod tests {
         let leaf = |(world, scenario): (World, Scenario)| {
             let state = ScenarioState::new(&world, &scenario).unwrap();
             let leaf = state.leaves_at(0, 0.0).next().unwrap();
-            (leaf.hinge.distance(leaf.tip), (leaf.tip - leaf.hinge).to_angle())
+            leaf.tip - leaf.hinge
         };
         let (boxed, outline) = (leaf(halls(turned)), leaf(halls(polygon)));
-        assert!((boxed.0 - outline.0).abs() < 1e-9, "{boxed:?} {outline:?}");
-        assert!(libm::sin(boxed.1 - outline.1).abs() < 1e-9, "{boxed:?} {outline:?}");
+        assert!((boxed.length() - outline.length()).abs() < 1e-9, "{boxed} {outline}");
+        assert!(boxed.perp_dot(outline).abs() < 1e-9, "{boxed} {outline}");
     }
 }
