@@ -300,6 +300,9 @@ fn open_ends(world: &World) -> Vec<[DVec2; 2]> {
     else {
         return Vec::new();
     };
+    if spec.ends == Ends::Closed {
+        return Vec::new();
+    }
     let Ok(hallway) = spec.generate(seed) else { return Vec::new() };
     let layout = hallway.layout();
     let faces = [layout.left_face(), layout.right_face()];
@@ -308,12 +311,7 @@ fn open_ends(world: &World) -> Vec<[DVec2; 2]> {
         let wall = (left - right).normalize_or_zero() * spec.wall_thickness;
         Some([left + wall, right - wall])
     };
-    match spec.ends {
-        Ends::Open => {
-            [across(<[DVec2]>::first), across(<[DVec2]>::last)].into_iter().flatten().collect()
-        }
-        Ends::Closed => Vec::new(),
-    }
+    [across(<[DVec2]>::first), across(<[DVec2]>::last)].into_iter().flatten().collect()
 }
 
 /// The open cell whose middle is nearest to a point.
