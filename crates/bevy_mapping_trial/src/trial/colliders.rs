@@ -8,9 +8,8 @@ use mapping_trial::robot::Robot;
 
 use super::component::{MappingTrial, State};
 
-/// What a trial has replaced, beside it.
-#[derive(Component)]
-#[component(clone_behavior = Ignore)]
+/// What a trial has replaced, beside it. Clones have it, so that they get theirs back.
+#[derive(Component, Clone, Copy)]
 pub(super) struct ReplacedColliders {
     before: Option<EnvironmentColliders>,
     during: EnvironmentColliders,
@@ -35,7 +34,9 @@ pub(super) fn replace(
     mut commands: Commands,
 ) {
     for (entity, trial, truth, own, replaced) in &trials {
-        let (State::Warming(run) | State::Running(run)) = &trial.state else { continue };
+        let (State::Warming(run) | State::Running(run) | State::Over(run)) = &trial.state else {
+            continue;
+        };
         let found = own.map(|own| own.0).or(settings.as_deref().copied()).unwrap_or_default();
         let Some(wanted) = colliders_for(found, &run.trial.settings().body, truth) else {
             continue;
@@ -51,7 +52,21 @@ pub(super) fn replace(
 
 /// Gives an environment its colliders back when its trial is removed.
 pub(super) fn give_back(gone: On<Discard, MappingTrial>, mut commands: Commands) {
-    let entity = gone.entity;
+    restore(gone.entity, &mut commands);
+}
+
+/// Gives a clone the colliders that its original had without the trial, which is not cloned.
+pub(super) fn give_to_clones(
+    added: On<Add, ReplacedColliders>,
+    trials: Query<(), With<MappingTrial>>,
+    mut commands: Commands,
+) {
+    if !trials.contains(added.entity) {
+        restore(added.entity, &mut commands);
+    }
+}
+
+fn restore(entity: Entity, commands: &mut Commands) {
     commands.queue(move |world: &mut World| {
         let others = world.get_resource::<ColliderSettings>().copied().unwrap_or_default();
         let Ok(mut root) = world.get_entity_mut(entity) else { return };

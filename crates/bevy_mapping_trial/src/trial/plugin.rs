@@ -48,6 +48,7 @@ impl Plugin for TrialPlugin {
             .register_type::<TrialRobot>()
             .add_observer(run::leave)
             .add_observer(colliders::give_back)
+            .add_observer(colliders::give_to_clones)
             .add_observer(run::lose_world)
             .configure_sets(
                 self.schedule,

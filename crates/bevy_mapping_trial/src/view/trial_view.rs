@@ -6,8 +6,9 @@ use super::sights::TrialSights;
 
 /// The visible layers of a trial, on the entity of its environment.
 ///
-/// Removing it shows the plain world.
+/// Removing it shows the plain world. Scenes and clones do not hold it, as they do not hold the trial.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
+#[component(clone_behavior = Ignore)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(TrialSights)]
 pub struct TrialView {

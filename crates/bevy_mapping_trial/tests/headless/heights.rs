@@ -192,6 +192,10 @@ fn a_trial_keeps_the_colliders_that_it_needs_and_then_gives_them_back() {
         app.world_mut().entity_mut(root).insert(trial_of(robot(1.0, 0.8)));
         step(&mut app, 3);
         assert_eq!(colliders(&app).map(|during| during.full_height), Some(0.8));
+        let clone = app.world_mut().entity_mut(root).clone_and_spawn();
+        step(&mut app, 1);
+        assert_eq!(app.world().get::<EnvironmentColliders>(clone).copied(), own);
+        app.world_mut().entity_mut(clone).despawn();
         app.world_mut().entity_mut(root).remove::<MappingTrial>();
         step(&mut app, 3);
         assert_eq!((colliders(&app), in_rapier(&mut app)), (own, before));

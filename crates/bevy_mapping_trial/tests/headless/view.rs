@@ -430,6 +430,8 @@ fn a_clone_of_an_environment_has_no_drawing() {
     });
     step(&mut app, 2);
     assert_eq!(named(&mut app, "trial view").len(), 1);
+    // Nor is its world hidden for one.
+    assert!(!app.world().entity(clone).contains::<TrialView>());
     compare(&mut app, root);
     app.world_mut().entity_mut(clone).despawn();
     step(&mut app, 2);

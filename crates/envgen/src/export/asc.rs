@@ -1,5 +1,6 @@
 //! ESRI ASCII grids.
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 use crate::landscape::metrics::check;
@@ -35,10 +36,11 @@ pub fn write_asc(
     let labels = labels.unwrap_or_default();
     let no_data = match labels {
         [] => 0,
-        labels if labels.contains(&-9999) => {
-            (i64::MIN..0).rev().find(|value| !labels.contains(value)).unwrap_or(0)
+        labels => {
+            let known: BTreeSet<i64> = labels.iter().copied().collect();
+            let mut free = std::iter::once(-9999).chain((i64::MIN..0).rev());
+            free.find(|value| !known.contains(value)).unwrap_or(0)
         }
-        _ => -9999,
     };
     let value = |class: u16| match usize::from(class).checked_sub(1) {
         None => no_data,

@@ -1,5 +1,6 @@
 //! What to write, and how.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
 
@@ -79,10 +80,18 @@ impl<'a> Job<'a> {
         self.world.raster.as_ref().ok_or(ExportError::Empty { part: "raster of classes" })
     }
 
-    /// The values that the classes of a raster had in the file that it was read from, where these are no class numbers.
+    /// The values that the classes of a raster had in the file that it was read from, where these are no class numbers:
+    /// one for each class, all different.
     pub(super) fn class_labels(&self) -> Option<Vec<i64>> {
-        let labels = self.world.provenance.spec.get("labels")?;
-        serde_json::from_value(labels.clone()).ok()
+        let labels = self.world.provenance.spec.get("labels")?.as_array()?;
+        let highest = self.world.raster.as_ref()?.cells.iter().max().copied()?;
+        if !(usize::from(highest)..=usize::from(u16::MAX)).contains(&labels.len()) {
+            return None;
+        }
+        let labels: Vec<i64> =
+            labels.iter().map(serde_json::Value::as_i64).collect::<Option<_>>()?;
+        let different: BTreeSet<i64> = labels.iter().copied().collect();
+        (different.len() == labels.len()).then_some(labels)
     }
 
     pub(super) fn write_scenario(&self, out: &mut dyn Write) -> Result<(), ExportError> {

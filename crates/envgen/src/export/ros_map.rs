@@ -289,8 +289,12 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
     }
 }
 
-/// The spec of a generated world, if it is a valid one.
+/// The spec of a generated world, if it is a valid one of this version.
 fn spec_of(world: &World) -> Option<WorldSpec> {
+    let kind: WorldKind = world.provenance.kind.parse().ok()?;
+    if world.provenance.value_version != kind.value_version() {
+        return None;
+    }
     WorldSpec::from_provenance(&world.provenance).ok().filter(|spec| spec.validate().is_ok())
 }
 
@@ -300,7 +304,8 @@ fn open_ends(world: &World) -> Vec<[DVec2; 2]> {
     else {
         return Vec::new();
     };
-    if spec.ends == Ends::Closed {
+    // Changed by hand it may lead elsewhere.
+    if spec.ends == Ends::Closed || world.provenance.edited {
         return Vec::new();
     }
     let Ok(hallway) = spec.generate(seed) else { return Vec::new() };

@@ -12,7 +12,7 @@ pub(super) const IMPORT: &str = "import";
 pub(super) fn made_by(found: Option<&Value>) -> Option<Value> {
     let provenance: Provenance = serde_json::from_value(found?.clone()).ok()?;
     match provenance.spec.get("made_by") {
-        Some(made_by) if provenance.kind == IMPORT => Some(made_by.clone()),
+        Some(made_by) if provenance.kind == IMPORT && !made_by.is_null() => Some(made_by.clone()),
         _ => serde_json::to_value(provenance).ok(),
     }
 }
@@ -34,6 +34,11 @@ mod tests {
             written = serde_json::to_value(read).unwrap();
             assert_eq!(made_by(Some(&written)).as_ref(), Some(&first));
         }
+        // A file of others is the first that is known.
+        let foreign = Provenance::other(IMPORT, json!({ "format": "houseexpo", "made_by": null }));
+        let first = serde_json::to_value(foreign).unwrap();
+        let read = Provenance::other(IMPORT, json!({ "made_by": made_by(Some(&first)) }));
+        assert_eq!(made_by(Some(&serde_json::to_value(read).unwrap())), Some(first));
         assert_eq!(made_by(Some(&json!("nothing"))), None);
         assert_eq!(made_by(None), None);
     }

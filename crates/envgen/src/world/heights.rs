@@ -246,8 +246,16 @@ impl World {
 /// Doorways and walls that are this near touch, in metres.
 const TOUCHING: f64 = 1e-3;
 
-/// Whether a doorway and a wall are within [`TOUCHING`] of each other.
+/// Of polygons with more pairs of sides than this only the bounds are compared.
+const MOST_PAIRS: usize = 1 << 16;
+
+/// Whether a doorway and a wall, whose bounds are within [`TOUCHING`] of each other, are so themselves.
 fn touch(doorway: &Shape, wall: &Shape) -> bool {
+    let sides =
+        |shape: &Shape| if let Shape::Polygon { vertices } = shape { vertices.len() } else { 4 };
+    if sides(doorway).saturating_mul(sides(wall)) > MOST_PAIRS {
+        return true;
+    }
     let is_beside = |a: DVec2, b: DVec2| wall.distance_from_segment(a, b) <= TOUCHING;
     match doorway {
         Shape::Segment { a, b } => is_beside(*a, *b),

@@ -199,10 +199,9 @@ pub fn costs<'a>(
         .collect()
 }
 
-/// The cost over worlds, each with its pairs of trials without and with the hazard; `None` for less than two worlds,
-/// of which no interval is known.
+/// The cost over worlds, each with its pairs of trials without and with the hazard; `None` without any.
 fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCost> {
-    if worlds.len() < 2 {
+    if worlds.is_empty() {
         return None;
     }
     let mean = |pairs: &Vec<(&Scores, &Scores)>, of: fn(&Scores) -> f64| {
@@ -214,6 +213,8 @@ fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCos
     let [difficulty, mapping, navigation] = parts.map(|part| {
         let differences: Vec<f64> = worlds.iter().map(|pairs| mean(pairs, part)).collect();
         let (value, half) = mean_and_half(&differences);
+        // Of one world anything is possible.
+        let half = if half.is_nan() { f64::INFINITY } else { half };
         Interval { value, low: value - half, high: value + half }
     });
     let with: Vec<&Scores> = worlds.iter().flatten().map(|(_, with)| *with).collect();

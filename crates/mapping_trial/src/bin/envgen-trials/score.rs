@@ -179,8 +179,7 @@ fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {
     Ok(tum::read(&read::text(path)?).in_file(path)?)
 }
 
-/// Scores an estimated trajectory at its own times.
-/// Scores the estimated and the true poses of each robot. All estimates are in one frame, that of the map.
+/// Scores the estimated poses of each robot against the true ones at their times. All estimates are in one frame, that of the map.
 fn score(
     robots: &[(Vec<TimedPose>, Vec<TimedPose>)],
     frame: Pose,
