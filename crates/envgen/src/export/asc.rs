@@ -7,7 +7,7 @@ use crate::landscape::metrics::check;
 use crate::world::ClassRaster;
 
 /// Writes the classes of a raster as an ESRI ASCII grid, the top row first, 0 as no data. With labels
-/// class `k + 1` is written as `labels[k]`, and no data as a number that is none of them. Reading it back with
+/// class `k + 1` is written as `labels[k]`, and no data as a number that no label has. Reading it back with
 /// [`read_asc`](crate::import::read_asc) gives the same cells, cell side, place and labels.
 ///
 /// ```
