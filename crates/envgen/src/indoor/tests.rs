@@ -9,7 +9,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use super::*;
 use crate::certificate::{Verdict, verify};
 use crate::geometry::Shape;
-use crate::world::{Contents, Obstacle, ObstacleKind, Surface, SurfaceKind, Wall, WallKind};
+use crate::world::{Contents, Wall, WallKind};
 use crate::{Blueprint, Seed, Spec, SpecError, World, WorldSpec};
 
 const SEEDS: u64 = 10_000;
@@ -585,29 +585,5 @@ fn doorways_of_calibrated_maps_are_not_narrower_than_asked() {
                 assert!(width >= narrowest - 1e-9, "{narrowest} {seed}: {width}");
             }
         }
-    }
-}
-
-#[test]
-fn stairs_are_as_high_as_the_walls() {
-    for wall_height in [1.2, 2.6, 5.0] {
-        let mut stairs = 0;
-        for seed in 0..10 {
-            let spec = IndoorSpec {
-                wall_height,
-                doorway_height: 1.1,
-                difficulty: 8.0,
-                ..Default::default()
-            };
-            let world = spec.generate(Seed(seed)).unwrap().to_world();
-            let obstacles = world.obstacles.iter().filter(|o| o.kind == ObstacleKind::Stairs);
-            let surfaces = world.surfaces.iter().filter(|s| s.kind == SurfaceKind::Stairs);
-            let tops = obstacles.map(Obstacle::extent).chain(surfaces.map(Surface::extent));
-            for extent in tops {
-                assert_eq!(extent.top(), wall_height);
-                stairs += 1;
-            }
-        }
-        assert!(stairs > 0, "maps with walls of {wall_height} m have stairs");
     }
 }

@@ -312,3 +312,36 @@ fn farthest(distances: &[f64]) -> usize {
     }
     best.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Blueprint;
+    use crate::indoor::IndoorSpec;
+    use crate::seed::Seed;
+    use crate::world::ObstacleKind;
+
+    #[test]
+    fn stairs_are_as_high_as_the_walls() {
+        for wall_height in [1.2, 2.6, 5.0] {
+            let mut stairs = 0;
+            for seed in 0..10 {
+                let spec = IndoorSpec {
+                    wall_height,
+                    doorway_height: 1.1,
+                    difficulty: 8.0,
+                    ..Default::default()
+                };
+                let world = spec.generate(Seed(seed)).unwrap().to_world();
+                let obstacles = world.obstacles.iter().filter(|o| o.kind == ObstacleKind::Stairs);
+                let surfaces = world.surfaces.iter().filter(|s| s.kind == SurfaceKind::Stairs);
+                let tops = obstacles.map(Obstacle::extent).chain(surfaces.map(Surface::extent));
+                for extent in tops {
+                    assert_eq!(extent.top(), wall_height);
+                    stairs += 1;
+                }
+            }
+            assert!(stairs > 0, "maps with walls of {wall_height} m have stairs");
+        }
+    }
+}
