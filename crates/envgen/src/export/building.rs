@@ -33,7 +33,7 @@ const ROBOT_RADIUS: f64 = 0.3;
 const CELL: f64 = 0.1;
 
 /// The most cells of that grid, about.
-const MOST_CELLS: f64 = (1 << 24) as f64;
+const MOST_CELLS: f64 = 4e6;
 
 /// How many points of a path the next turn is looked for beyond the last one: over all, the work would grow with the
 /// square of a corridor's length.

@@ -213,8 +213,6 @@ fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCos
     let [difficulty, mapping, navigation] = parts.map(|part| {
         let differences: Vec<f64> = worlds.iter().map(|pairs| mean(pairs, part)).collect();
         let (value, half) = mean_and_half(&differences);
-        // Of one world anything is possible.
-        let half = if half.is_nan() { f64::INFINITY } else { half };
         Interval { value, low: value - half, high: value + half }
     });
     let with: Vec<&Scores> = worlds.iter().flatten().map(|(_, with)| *with).collect();
