@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::Parser;
 use envgen::located::Locate;
 use envgen::scenario::{Scenario, ScenarioSpec};
-use envgen::{Seed, World, WorldKind, WorldSpec, import};
+use envgen::{Seed, SettingsError, World, WorldKind, WorldSpec, import};
 
 /// Walk through a world.
 #[derive(Parser)]
@@ -43,7 +43,16 @@ impl Arguments {
         }
         let world = match self.spec()? {
             Some(mut spec) => {
+                let kind = spec.kind();
+                let tables = [kind.settings(), ScenarioSpec::SETTINGS];
                 for (setting, name, value) in own {
+                    let known = kind.setting(name);
+                    known.map_err(|_| {
+                        format!(
+                            "--set {setting}: {}",
+                            SettingsError::unknown_setting(kind, name, &tables)
+                        )
+                    })?;
                     spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
                 }
                 spec.generate(self.seed)?.to_world()

@@ -33,12 +33,14 @@ pub enum SettingsError {
         known: String,
     },
     /// The kind has no such setting.
-    #[error("kind {kind} has no setting `{name}`, expected one of {known}")]
+    #[error("kind {kind} has no setting `{name}`{}, expected one of {known}", did_you_mean(*nearest))]
     UnknownSetting {
         /// The kind.
         kind: WorldKind,
         /// The name given.
         name: String,
+        /// The setting whose name is like it.
+        nearest: Option<&'static str>,
         /// The settings that exist.
         known: String,
     },
@@ -48,6 +50,26 @@ pub enum SettingsError {
     /// The text is not the RON of a spec.
     #[error("not the RON of a world spec, at {0}")]
     Ron(Box<ron::error::SpannedError>),
+}
+
+impl SettingsError {
+    /// The error of a name that no setting of these tables has.
+    pub fn unknown_setting(kind: WorldKind, name: &str, tables: &[&'static [Setting]]) -> Self {
+        let known: Vec<_> = tables.iter().copied().flatten().map(|setting| setting.name).collect();
+        let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, name);
+        let nearest = known.iter().map(|known| (likeness(known), *known));
+        let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0));
+        let nearest = nearest.filter(|(likeness, _)| *likeness > LIKE).map(|(_, name)| name);
+        let (name, known) = (name.to_owned(), known.join(", "));
+        SettingsError::UnknownSetting { kind, name, nearest, known }
+    }
+}
+
+/// Names that are at least this much alike, of 1, may be meant for each other.
+const LIKE: f64 = 0.6;
+
+fn did_you_mean(name: Option<&str>) -> String {
+    name.map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
 }
 
 /// Why no blueprint could be generated.
@@ -297,14 +319,7 @@ impl WorldKind {
         self.settings()
             .iter()
             .find(|setting| setting.name == name || setting.alias == Some(name))
-            .ok_or_else(|| {
-                let known: Vec<_> = self.settings().iter().map(|setting| setting.name).collect();
-                SettingsError::UnknownSetting {
-                    kind: self,
-                    name: name.to_owned(),
-                    known: known.join(", "),
-                }
-            })
+            .ok_or_else(|| SettingsError::unknown_setting(self, name, &[self.settings()]))
     }
 }
 
@@ -393,6 +408,17 @@ mod tests {
             table.sort();
             assert_eq!(fields, table, "{kind}");
         }
+    }
+
+    #[test]
+    fn a_misspelt_name_brings_the_right_one_to_mind() {
+        let error = WorldKind::Hallway.setting("segmnets").unwrap_err().to_string();
+        assert!(
+            error.contains("`segmnets` (did you mean `segments`?), expected one of"),
+            "{error}"
+        );
+        let error = WorldKind::Hallway.setting("colour").unwrap_err().to_string();
+        assert!(!error.contains("did you mean"), "{error}");
     }
 
     #[test]

@@ -585,6 +585,7 @@ fn what_moves_is_generated_drawn_and_read_back() {
     let png = path("x.png");
     refused(&["--set", "people=-2", "--out", &png], "`people` must be");
     refused(&["--set", "people=9999", "--out", &png], "no more fit");
+    refused(&["--set", "poeple=2", "--out", &png], "did you mean `people`?");
     refused(&["--out", &scenario], "no doors, people or smoke that move");
     refused(&["--set", "people=2", "--scenario", &scenario, "--out", &png], "cannot be used with");
     refused(&["--scenario", &scenario, "--out", &scenario], "input");

@@ -10,7 +10,7 @@ use envgen::indoor::world_generator::{HALLWAY, LibraryRoom};
 use envgen::indoor::{Catalogue, PlacedRoom};
 use envgen::located::Locate;
 use envgen::scenario::ScenarioSpec;
-use envgen::{Blueprint, Seed, SpecError, World, WorldKind, WorldSpec};
+use envgen::{Blueprint, Seed, SettingsError, SpecError, World, WorldKind, WorldSpec};
 
 use crate::failure::{Failure, print_line};
 
@@ -46,12 +46,19 @@ impl Source {
     /// As [`Source::spec`], with the settings of what moves, if any is set.
     pub(crate) fn spec_and_scenario(&self) -> Result<(WorldSpec, Option<ScenarioSpec>), Failure> {
         let spec = self.unset()?;
+        let kind = spec.kind();
         let is_moving = |name: &str| {
             ScenarioSpec::SETTINGS.iter().any(|setting| setting.name == name)
-                && !spec.kind().settings().iter().any(|setting| setting.name == name)
+                && !kind.settings().iter().any(|setting| setting.name == name)
         };
         let (moving, still): (Vec<_>, Vec<_>) =
-            self.settings(spec.kind())?.into_iter().partition(|(name, ..)| is_moving(name));
+            self.settings(kind)?.into_iter().partition(|(name, ..)| is_moving(name));
+        let tables = [kind.settings(), ScenarioSpec::SETTINGS];
+        for (name, _, option) in &still {
+            let is_known =
+                kind.setting(name).map_err(|_| SettingsError::unknown_setting(kind, name, &tables));
+            is_known.in_option("--set", option)?;
+        }
         let spec = self.with_settings(spec, &still)?;
         let mut scenario = ScenarioSpec::default();
         for &(name, value, option) in &moving {
