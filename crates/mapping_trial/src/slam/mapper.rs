@@ -55,6 +55,10 @@ const RIGHT_OF_ALL: f64 = 0.2;
 /// Share of all of a scan's walls from which no match is needed.
 const CERTAIN: f64 = 0.8;
 
+/// Echoes as near as this to the body of another robot are its own: metres, and the most that the deviation of its
+/// position adds.
+const TEAMMATE: (f64, f64) = (0.1, 0.3);
+
 /// Of each scan every so many echoes are compared with the map.
 const ECHO_STEP: usize = 4;
 
@@ -87,6 +91,8 @@ pub(crate) struct Added {
 #[derive(Clone, Debug)]
 pub(crate) struct Mapper {
     sweeper: Sweeper,
+    /// Radius in metres of a robot.
+    radius: f64,
     painter: ScanInserter,
     matcher: Matcher,
     /// The field that scans are matched against; `None` if poses come from the wheels alone.
@@ -112,6 +118,7 @@ impl Mapper {
     ) -> Self {
         Mapper {
             sweeper: Sweeper::new(robot, laser),
+            radius: robot.circumscribed_radius,
             painter: ScanInserter::new(),
             matcher: Matcher::new(),
             field: matching.then(|| LikelihoodField::new(&BLOCKS)),
@@ -150,11 +157,29 @@ impl Mapper {
         if !is_due && !matches {
             return None;
         }
-        let sweep = self.sweeper.sweep(scan);
+        let mut sweep = self.sweeper.sweep(scan);
+        self.drop_teammates(robot, &mut sweep);
         let laser = self.sweeper.laser().position;
         let walls = if matches { wall_points(&sweep.echoes, laser) } else { Vec::new() };
         let is_certain = self.localise(robot, &walls);
         if is_due { self.add(robot, sweep, &walls, is_certain) } else { None }
+    }
+
+    /// Drops the echoes of other robots: one that stands would be walled in by what others see of it.
+    fn drop_teammates(&self, robot: usize, sweep: &mut Sweep) {
+        let others = (0..self.tracks.len()).filter(|&other| other != robot);
+        let to_robot = self.estimate(robot).pose.world_to_local();
+        let discs: Vec<(Vec2, f32)> = others
+            .map(|other| {
+                let Estimate { pose, deviation, .. } = self.estimate(other);
+                let reach = self.radius + TEAMMATE.0 + deviation.min(TEAMMATE.1);
+                (to_robot(pose.position).as_vec2(), reach as f32)
+            })
+            .collect();
+        if !discs.is_empty() {
+            let is_off = |echo: &Vec2| discs.iter().all(|(at, reach)| echo.distance(*at) > *reach);
+            sweep.echoes.retain(is_off);
+        }
     }
 
     /// Moves a robot's pose to where the walls that it sees are on the map, if they are; returns whether
@@ -459,6 +484,36 @@ pub(super) mod tests {
             ((walls - at) / direction).min_element()
         };
         Scan { ranges: (0..laser.beams).map(range).collect() }
+    }
+
+    #[test]
+    fn robots_do_not_wall_each_other_in() {
+        let (robot, laser) = (Robot::default(), LaserProfile::LMS200_MM);
+        let stands = Pose::new(2.9, 0.8, 0.0);
+        let mut mapper = Mapper::new(&[Pose::default(), stands], &robot, &laser, true);
+        for tick in 0..15 {
+            let distance = if tick == 0 { 0.0 } else { 0.1 };
+            let at = DVec2::new(0.1 * f64::from(tick) + robot.laser_offset, 0.0);
+            let mut scan = hall_scan(&laser, at);
+            let to = stands.position - at;
+            for (beam, range) in scan.ranges.iter_mut().enumerate() {
+                let direction = unit_vector(laser.angle(beam));
+                let (along, across) = (to.dot(direction), to.perp_dot(direction));
+                let half2 =
+                    robot.circumscribed_radius * robot.circumscribed_radius - across * across;
+                if half2 > 0.0 && along > 0.0 {
+                    *range = range.min(along - half2.sqrt());
+                }
+            }
+            mapper.step(0, Increment { distance, turn: 0.0 }, Some(&scan));
+            mapper.step(1, Increment::default(), None);
+        }
+        let is_occupied =
+            |x: f64, y: f64| mapper.map.cell(CellIndex::of(DVec2::new(x, y))) == Cell::Occupied;
+        assert!(is_occupied(4.01, -0.5) || is_occupied(3.99, -0.5), "the wall of the hall");
+        let grid = || (-16..=16).map(|step| 0.05 * f64::from(step));
+        let near = |x: f64| grid().any(|y| is_occupied(2.9 + x, 0.8 + y));
+        assert!(!grid().any(near), "something around the other robot");
     }
 
     #[test]
