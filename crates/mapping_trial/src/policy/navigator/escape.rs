@@ -1,6 +1,8 @@
 //! The last means of a robot that is stuck: it looks all around and drives to where the laser sees most
 //! free space, whatever the map shows.
 
+use std::f64::consts::TAU;
+
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
 
@@ -57,7 +59,8 @@ impl Navigator {
             Escape::Look { heading, turned, best } => {
                 let turned = turned + wrap_angle(pose.heading - heading);
                 let best = self.freest(pose, view.body.laser_mount.heading, best);
-                let left = self.margins.survey.0 - turned;
+                // Each direction is rated where the laser faces it: a laser that sees all around does not help.
+                let left = TAU - turned;
                 if left > 0.1 {
                     let look = Escape::Look { heading: pose.heading, turned, best };
                     (look, turn(view.body, left))
