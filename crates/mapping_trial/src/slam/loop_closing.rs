@@ -1,5 +1,7 @@
 //! Loop closing: keyframes that see a place from long before.
 
+use std::f64::consts::PI;
+
 use envgen::geometry::{Pose, wrap_angle};
 
 use super::likelihood::LikelihoodField;
@@ -20,6 +22,9 @@ const NEAR: (f64, f64) = (3.0, 0.02);
 /// laser's field of view: two thirds of what they see is common.
 const COMMON_VIEW: f64 = 1.0 / 3.0;
 
+/// Field of view in radians from which two keyframes see that much of the same whatever their headings.
+const ALL_AROUND: f64 = 1.5 * PI;
+
 /// Metres that count as one radian between the headings of two keyframes, in choosing the old
 /// keyframe that sees the most of the same.
 const TURN_COUNTS: f64 = 0.5;
@@ -29,10 +34,10 @@ const CHAIN: usize = 10;
 
 /// Half the side of the window in metres, and the largest difference of headings, in which a scan is
 /// searched.
-const REACH: (f64, f64) = (4.0, 20.0 * std::f64::consts::PI / 180.0);
+const REACH: (f64, f64) = (4.0, 20.0 * PI / 180.0);
 
 /// Margin of the window, in metres and radians, in which no match is accepted.
-const EDGE: (f64, f64) = (0.1, 1.0 * std::f64::consts::PI / 180.0);
+const EDGE: (f64, f64) = (0.1, 1.0 * PI / 180.0);
 
 /// Greatest distance of a match from the estimated pose: metres, and standard
 /// deviations.
@@ -46,7 +51,7 @@ const RESPONSE: f64 = 0.45;
 
 /// Half the side in metres of the window around the estimated pose, and the difference of headings in
 /// radians, in which a scan that fits almost as well shows that there is no error to correct.
-const HERE: (f64, f64) = (0.6, 4.0 * std::f64::consts::PI / 180.0);
+const HERE: (f64, f64) = (0.6, 4.0 * PI / 180.0);
 
 /// Distance in metres of a match from the estimated pose up to which nothing is wrong.
 const NO_SHIFT: f64 = 0.1;
@@ -62,7 +67,7 @@ const DISTINCT: f64 = 0.1;
 const AGREEING: (usize, f64) = (3, 1.0);
 
 /// Distance in metres and difference of headings in radians up to which two matches in a row agree.
-const AGREEMENT: (f64, f64) = (0.2, 3.0 * std::f64::consts::PI / 180.0);
+const AGREEMENT: (f64, f64) = (0.2, 3.0 * PI / 180.0);
 
 /// Path length in metres from one attempt to the next, and from a closed loop to the next attempt.
 const PAUSE: (f64, f64) = (1.0, 3.0);
@@ -115,7 +120,11 @@ impl LoopCloser {
         LoopCloser {
             field: LikelihoodField::new(&BLOCKS),
             matcher: Matcher::new(),
-            most_turn: COMMON_VIEW * field_of_view,
+            most_turn: if field_of_view >= ALL_AROUND - 1e-9 {
+                PI
+            } else {
+                COMMON_VIEW * field_of_view
+            },
             robots: vec![Progress::default(); robots],
         }
     }
