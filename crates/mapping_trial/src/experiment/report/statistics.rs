@@ -15,8 +15,13 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
         @for (name, part) in parts {
             h3 { (title(name, part)) }
             p.note {
-                "A rank correlation counts from " (number(part.critical_rho, 2))
-                " on: chance alone gives as much in 5 % of cases."
+                @match part.critical_rho {
+                    Some(rho) => {
+                        "A rank correlation counts from " (number(rho, 2))
+                        " on, a greater one where values are equal: chance alone gives as much in 5 % of cases."
+                    }
+                    None => { "No rank correlation counts: chance alone gives any in more than 5 % of cases." }
+                }
             }
             (orders(part))
             (components(part))

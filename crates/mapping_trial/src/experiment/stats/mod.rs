@@ -81,8 +81,9 @@ pub struct Part {
     pub noise_seeds: usize,
     /// Number of trials.
     pub trials: usize,
-    /// The rank correlation that chance alone exceeds in 5 % of cases.
-    pub critical_rho: f64,
+    /// The least rank correlation of different values that chance reaches in at most 5 % of cases; `None` where it
+    /// reaches even the greatest more often.
+    pub critical_rho: Option<f64>,
     /// For each measure, over all policies.
     pub orders: Vec<Order>,
     /// For each measure of which trials are repeated: which part of the variance of single trials
@@ -151,7 +152,7 @@ pub fn analyse(design: &Design, records: &[&Record]) -> Analysis {
 
 fn part(design: &Design, records: &[&Record]) -> Part {
     let values = map_values(records);
-    let null = Null::new(design, &values);
+    let different: Vec<f64> = (0..values.len()).map(|map| map as f64).collect();
     let count = |of: &dyn Fn(&TrialId) -> u32| {
         records.iter().map(|record| of(&record.trial) as usize + 1).max().unwrap_or(0)
     };
@@ -160,18 +161,15 @@ fn part(design: &Design, records: &[&Record]) -> Part {
             records.iter().filter(|r| r.trial.policy == kind).copied().collect();
         let values = map_values(&own);
         let main = MEASURES.iter().take(3);
-        let orders = main.map(|measure| order(design, measure, &own, &values, &null)).collect();
+        let orders = main.map(|measure| order(design, measure, &own, &values)).collect();
         (!own.is_empty()).then_some(PolicyOrders { policy, orders })
     });
     Part {
         maps: count(&|trial| trial.map),
         noise_seeds: count(&|trial| trial.noise),
         trials: records.len(),
-        critical_rho: null.critical(),
-        orders: MEASURES
-            .iter()
-            .map(|measure| order(design, measure, records, &values, &null))
-            .collect(),
+        critical_rho: Null::new(design, &values, &different).critical(),
+        orders: MEASURES.iter().map(|measure| order(design, measure, records, &values)).collect(),
         components: variance_components(records),
         policies: policies.collect(),
         relative: MEASURES.iter().take(3).map(|measure| relative(measure, records)).collect(),

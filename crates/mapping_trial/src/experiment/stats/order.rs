@@ -23,6 +23,8 @@ pub struct Order {
     pub rho: Option<Interval>,
     /// Probability that chance alone gives this correlation or a greater one.
     pub p: Option<f64>,
+    /// Probability that chance alone gives this correlation or a lesser one.
+    pub p_below: Option<f64>,
     /// Kendall's tau-b of level and map.
     pub tau: Option<f64>,
     /// The mean of each level's maps.
@@ -65,13 +67,18 @@ impl Order {
         self.means.len().saturating_sub(1)
     }
 
+    /// Whether the correlation is rarer by chance than one of twenty.
+    pub fn counts(&self) -> bool {
+        self.p.is_some_and(|p| p <= SELDOM)
+    }
+
     /// The verdict on the order. The bootstrap's interval is too narrow for few maps per level:
     /// the correlation must also be rare by chance.
     pub fn verdict(&self) -> Verdict {
-        let (Some(rho), Some(p)) = (self.rho, self.p) else { return Verdict::NotShown };
-        if rho.is_negative() && p >= 1.0 - SELDOM {
+        let (Some(rho), Some(p_below)) = (self.rho, self.p_below) else { return Verdict::NotShown };
+        if rho.is_negative() && p_below <= SELDOM {
             Verdict::Reversed
-        } else if !rho.is_positive() || p > SELDOM {
+        } else if !rho.is_positive() || !self.counts() {
             Verdict::NotShown
         } else if self.neighbours_in_order == self.neighbours() {
             Verdict::InOrder
@@ -87,7 +94,6 @@ pub fn order(
     measure: &Measure,
     records: &[&Record],
     values: &[MapValues],
-    null: &Null,
 ) -> Order {
     let place = MEASURES.iter().position(|m| m.symbol == measure.symbol).unwrap_or(0);
     let of = |i: usize| values[i].means[place];
@@ -108,11 +114,14 @@ pub fn order(
             Mean { level, maps, mean: mean(&own, measure.most) }
         })
         .collect();
+    let measured: Vec<f64> = all().map(of).collect();
+    let null = Null::new(design, values, &measured);
     Order {
         measure: measure.symbol,
         p: rho.map(|rho| null.p_value(rho.value)),
+        p_below: rho.map(|rho| null.p_value_below(rho.value)),
         rho,
-        tau: kendall_tau(&levels, &all().map(of).collect::<Vec<_>>()),
+        tau: kendall_tau(&levels, &measured),
         neighbours_in_order: means
             .windows(2)
             .filter(|pair| pair[1].mean.value > pair[0].mean.value)

@@ -8,6 +8,9 @@ use crate::experiment::design::Design;
 /// Number of random orders that show what chance gives.
 const SHUFFLES: usize = 10_000;
 
+/// Equal correlations may differ in their last bits.
+const NEAR: f64 = 1e-9;
+
 /// Spearman's rank correlation, ties with their mean rank; `None` for lists of different lengths,
 /// or when all values of one are equal.
 ///
@@ -46,7 +49,7 @@ pub(crate) fn pearson(a: &[f64], b: &[f64]) -> Option<f64> {
     (norm > 0.0).then(|| (ab / norm).clamp(-1.0, 1.0))
 }
 
-/// Spearman's correlations of levels with random orders of as many maps: what chance alone gives.
+/// Spearman's correlations of levels with the values of a measure in random order: what chance alone gives.
 #[derive(Clone, Debug)]
 pub struct Null {
     /// In increasing order.
@@ -54,35 +57,41 @@ pub struct Null {
 }
 
 impl Null {
-    /// Shuffles the maps of a design; the draws follow from the design's seed.
-    pub fn new(design: &Design, values: &[MapValues]) -> Self {
-        let levels: Vec<f64> = values.iter().map(|map| design.levels[map.level]).collect();
-        let ranks = Data::new(levels).ranks(RankTieBreaker::Average);
-        let mut places: Vec<f64> = (0..ranks.len()).map(|place| place as f64).collect();
+    /// Shuffles what was measured, one value per map of a design; the draws follow from the design's seed. Equal values
+    /// stay equal.
+    pub fn new(design: &Design, maps: &[MapValues], measured: &[f64]) -> Self {
+        let levels: Vec<f64> = maps.iter().map(|map| design.levels[map.level]).collect();
+        let (levels, mut places) = (ranks(&levels), ranks(measured));
+        // So that the draws depend on which values are equal alone.
+        places.sort_by(f64::total_cmp);
         let mut stream = design.seed.stream("experiment/null", 0);
         let draw = |_| {
             stream.shuffle(&mut places);
-            pearson(&ranks, &places).unwrap_or(0.0)
+            pearson(&levels, &places).unwrap_or(0.0)
         };
         let mut rhos: Vec<f64> = (0..SHUFFLES).map(draw).collect();
         rhos.sort_by(f64::total_cmp);
         Null { rhos }
     }
 
-    /// The least correlation that chance reaches in at most 5 % of cases.
-    pub fn critical(&self) -> f64 {
-        // Equal correlations may differ in their last bits.
-        let near = 1e-9;
+    /// The least correlation that chance reaches in at most 5 % of cases; `None` where it reaches even the greatest more
+    /// often.
+    pub fn critical(&self) -> Option<f64> {
         let allowed = self.rhos.len() / 20;
         let edge = self.rhos[self.rhos.len() - allowed - 1];
-        let above = self.rhos.iter().find(|&&rho| rho > edge + near);
-        above.copied().unwrap_or(edge)
+        self.rhos.iter().find(|&&rho| rho > edge + NEAR).copied()
     }
 
     /// Probability that chance gives a correlation of `rho` or more.
     pub fn p_value(&self, rho: f64) -> f64 {
-        let below = self.rhos.partition_point(|&other| other < rho - 1e-9);
+        let below = self.rhos.partition_point(|&other| other < rho - NEAR);
         (self.rhos.len() - below + 1) as f64 / (self.rhos.len() + 1) as f64
+    }
+
+    /// Probability that chance gives a correlation of `rho` or less.
+    pub fn p_value_below(&self, rho: f64) -> f64 {
+        let below = self.rhos.partition_point(|&other| other <= rho + NEAR);
+        (below + 1) as f64 / (self.rhos.len() + 1) as f64
     }
 }
 
@@ -107,16 +116,22 @@ mod tests {
         assert_eq!(spearman(&[1.0], &[1.0, 2.0]), None);
     }
 
-    #[test]
-    fn ten_maps_need_a_correlation_of_a_half() {
+    /// The null of measurements in pairs of maps, each pair of a higher level than the one before.
+    fn null(measured: &[f64]) -> Null {
         let map = |i: usize| MapValues {
             level: i / 2,
             map: i as u32 % 2,
             means: [0.0; MEASURES.len()],
             features: MapFeatures::default(),
         };
-        let null = Null::new(&Design::default(), &(0..10).map(map).collect::<Vec<_>>());
-        let critical = null.critical();
+        let maps: Vec<MapValues> = (0..measured.len()).map(map).collect();
+        Null::new(&Design::default(), &maps, measured)
+    }
+
+    #[test]
+    fn ten_maps_need_a_correlation_of_a_half() {
+        let null = null(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        let critical = null.critical().unwrap();
         // Of all 113400 orders of five pairs 4.93 % reach 0.5662 and 5.87 % reach 0.5416, by
         // counting. The seed is fixed.
         assert!((critical - 0.566_220_86).abs() < 1e-6, "{critical}");
@@ -124,5 +139,26 @@ mod tests {
         assert!(p <= 0.0501 && p > 0.045, "{p}");
         assert!((null.p_value(0.541_602) - 0.0587).abs() < 0.007);
         assert!(null.p_value(-1.0) == 1.0 && null.p_value(1.0) < 1e-3);
+        assert!(null.p_value_below(1.0) == 1.0 && null.p_value_below(-1.0) < 1e-3);
+    }
+
+    /// Expected shares are by counting; those of 10,000 orders are within 0.02 of them, five standard deviations.
+    #[test]
+    fn equal_values_stay_equal_by_chance() {
+        let levels = |maps: u32| (0..maps).map(|i| f64::from(i / 2)).collect::<Vec<_>>();
+        let p = |measured: &[f64]| {
+            let rho = spearman(&levels(measured.len() as u32), measured).unwrap();
+            null(measured).p_value(rho)
+        };
+        // Both maps of the higher level are above the others in one of six orders.
+        for four in [[1.0, 2.0, 3.0, 4.0], [0.0, 0.0, 3.0, 4.0]] {
+            assert!((p(&four) - 1.0 / 6.0).abs() < 0.02, "{}", p(&four));
+            assert_eq!(null(&four).critical(), None);
+        }
+        let reversed = null(&[4.0, 3.0, 2.0, 1.0]).p_value_below(-1.0 + 0.2);
+        assert!((reversed - 1.0 / 6.0).abs() < 0.02, "{reversed}");
+        // One of ten maps measures something: it is of the highest level in one of five orders.
+        let ten = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        assert!((p(&ten) - 0.2).abs() < 0.02, "{}", p(&ten));
     }
 }
