@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use super::panel::Panel;
 use super::usual_noise::usual_variance;
+use crate::experiment::stats::half_interval;
 use crate::experiment::survey::{Failure, Site};
 use crate::score::Scores;
 use crate::trial::{EndReason, LogWorld};
@@ -65,6 +66,18 @@ pub struct Measurement {
     pub scores: Dials<f64>,
     /// Each condition by itself.
     pub conditions: Vec<ConditionMean>,
+}
+
+impl Measurement {
+    /// The dials with Student's intervals of 95 %, by the noise of the trials.
+    pub fn intervals(&self) -> Dials<(f64, [f64; 2])> {
+        let trials = f64::from(self.measured.trials);
+        let freedom = USUAL_WEIGHT + (trials - self.conditions.len() as f64).max(0.0);
+        self.measured.dials.map(|Estimate { value, standard_error }| {
+            let half = half_interval(standard_error, freedom);
+            (value, [value - half, value + half])
+        })
+    }
 }
 
 /// The mean scores of one condition.

@@ -125,7 +125,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     commit_all(files)?;
     stdout::print(&text(&found, spec.request(), spec.reachable()))?;
     warn_of_coverage(&found.measurement);
-    for text in missed(spec.request(), found.measurement.measured.dials) {
+    for text in missed(spec.request(), found.measurement.intervals()) {
         warn(&text);
     }
     Ok(())
@@ -134,7 +134,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
 fn text(found: &Verified, request: Request, reachable: Dials<[f64; 2]>) -> String {
     let mut text = String::new();
     let measured = &found.measurement.measured;
-    for line in compared(request, measured.dials, reachable) {
+    for line in compared(request, found.measurement.intervals(), reachable) {
         writeln!(text, "{line}").ok();
     }
     let race = race(request, &found.race);
@@ -155,24 +155,23 @@ fn race(request: Request, race: &[Dials<Estimate>]) -> String {
 /// Each dial as it was measured; beside those that are requested, the request and what the settings reach.
 fn compared(
     request: Request,
-    measured: Dials<Estimate>,
+    measured: Dials<(f64, [f64; 2])>,
     reachable: Dials<[f64; 2]>,
 ) -> [String; 3] {
     request.0.zip(measured.zip(reachable)).named().map(|(name, (wanted, (dial, [least, most])))| {
-        let [low, high] = dial.interval();
+        let (value, [low, high]) = dial;
         let asked = wanted.map_or_else(String::new, |wanted| {
             format!("; requested {wanted:.2}, predicted reach from {least:.1} to {most:.1}")
         });
-        format!("{name:>12} {:5.2}, 95 % from {low:.2} to {high:.2}{asked}", dial.value)
+        format!("{name:>12} {value:5.2}, 95 % from {low:.2} to {high:.2}{asked}")
     })
 }
 
 /// A statement for each requested dial whose measured interval is not near the request.
-fn missed(request: Request, measured: Dials<Estimate>) -> Vec<String> {
+fn missed(request: Request, measured: Dials<(f64, [f64; 2])>) -> Vec<String> {
     let dials = request.0.zip(measured).named();
-    let missed = dials.into_iter().filter_map(|(name, (wanted, dial))| {
+    let missed = dials.into_iter().filter_map(|(name, (wanted, (_, [low, high])))| {
         let wanted = wanted?;
-        let [low, high] = dial.interval();
         let is_near = (low - NEAR_REQUEST..=high + NEAR_REQUEST).contains(&wanted);
         (!is_near).then(|| {
             format!(
@@ -202,9 +201,9 @@ mod tests {
         }
     }
 
-    fn measured(value: f64, standard_error: f64) -> Dials<Estimate> {
-        Dials { difficulty: (), mapping: (), navigation: () }
-            .map(|()| Estimate { value, standard_error })
+    fn measured(value: f64, half: f64) -> Dials<(f64, [f64; 2])> {
+        let interval = [value - half, value + half];
+        Dials { difficulty: (), mapping: (), navigation: () }.map(|()| (value, interval))
     }
 
     #[test]
@@ -216,7 +215,7 @@ mod tests {
             "     mapping  4.00, 95 % from 3.61 to 4.39; requested 3.00, predicted reach from 0.5 to 9.1",
             "  navigation  4.00, 95 % from 3.61 to 4.39",
         ];
-        assert_eq!(compared(request, measured(4.0, 0.2), reachable), expected);
+        assert_eq!(compared(request, measured(4.0, 0.39), reachable), expected);
     }
 
     #[test]
@@ -234,8 +233,8 @@ mod tests {
     #[test]
     fn requests_are_missed_beyond_the_interval_and_what_is_near() {
         let whole = |wanted| Dials { difficulty: Some(wanted), mapping: None, navigation: None };
-        let found = |wanted, value| missed(Request(whole(wanted)), measured(value, 0.2));
-        let half = 1.96 * 0.2 + NEAR_REQUEST;
+        let found = |wanted, value| missed(Request(whole(wanted)), measured(value, 0.39));
+        let half = 0.39 + NEAR_REQUEST;
         for off in [-half - 0.01, -half + 0.01, 0.0, half - 0.01, half + 0.01] {
             assert_eq!(found(5.0, 5.0 + off).len(), usize::from(off.abs() > half), "{off}");
         }
@@ -244,7 +243,7 @@ mod tests {
         assert_eq!(found(5.0, 7.0), [expected]);
         // Only what is requested is missed, and each dial by itself.
         let both = Dials { difficulty: None, mapping: Some(3.0), navigation: Some(6.8) };
-        let texts = missed(Request(both), measured(7.0, 0.1));
+        let texts = missed(Request(both), measured(7.0, 0.2));
         assert!(texts.len() == 1 && texts[0].starts_with("the measured mapping "), "{texts:?}");
     }
 }

@@ -103,8 +103,8 @@ fn text(report: &Report) -> String {
     writeln!(text, "\n{:>12} measured  95 % interval  score  harder than  predicted", "").ok();
     let percentiles = report.percentiles.map(Dials::named);
     let predicted = report.prediction.map(|prediction| prediction.dials.named());
-    for (i, (name, dial)) in measured.dials.named().into_iter().enumerate() {
-        let [low, high] = dial.interval();
+    let intervals = report.measurement.intervals().named();
+    for (i, (name, (value, [low, high]))) in intervals.into_iter().enumerate() {
         let predicted = predicted.map_or_else(String::new, |dials| {
             format!("{:5.1} +- {:.1}", dials[i].1.value, dials[i].1.standard_error)
         });
@@ -113,8 +113,7 @@ fn text(report: &Report) -> String {
         let score = scores.named()[i].1;
         writeln!(
  text,
-            "{name:>12} {:8.2}  {low:5.2} to {high:5.2}  {score:5.2}  {harder_than:>11}  {predicted}",
-            dial.value
+            "{name:>12} {value:8.2}  {low:5.2} to {high:5.2}  {score:5.2}  {harder_than:>11}  {predicted}"
         ).ok();
     }
     if report.prediction.is_some_and(|prediction| prediction.outside > 0.1) {
