@@ -63,15 +63,16 @@ pub(super) fn lock<T: Serialize + DeserializeOwned + PartialEq>(
         find_other()?;
     }
     // Only who has the lock begins: of several processes one may have begun something else meanwhile.
-    let (lines, text) = Lines::open(folder)?;
+    let (mut lines, text) = Lines::open(folder)?;
     if !is_begun()? {
         find_other()?;
-        if !text.is_empty() {
+        if !lines.is_empty() {
             let file = kind.file;
             return Err(content(format!("there are trials, but no {file} that describes them")));
         }
         write(&path, head)?;
     }
+    lines.drop_rest(&text)?;
     Ok((lines, text))
 }
 
@@ -183,6 +184,22 @@ mod tests {
         let error = refused.unwrap_err().to_string();
         assert!(error.contains("has a file experiment.json"), "{error}");
         drop(begin(2).unwrap());
+    }
+
+    #[test]
+    fn what_something_else_wrote_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let kind = Kind { file: EXPERIMENT, what: "an experiment", version: 1 };
+        let path = folder.path().join("trials.jsonl");
+        // Without a line end, and with one line that has it.
+        for foreign in ["{\"my\": \"only data\"}", "mine\nand mine"] {
+            std::fs::write(&path, foreign).unwrap();
+            let error = lock(folder.path(), &kind, &json!({ "version": 1 }), difference);
+            let error = error.unwrap_err().to_string();
+            assert!(error.contains("no experiment.json that describes them"), "{error}");
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), foreign);
+            assert!(!folder.path().join(EXPERIMENT).exists());
+        }
     }
 
     #[test]

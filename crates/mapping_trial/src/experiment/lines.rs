@@ -17,12 +17,13 @@ pub(super) const TRIALS: &str = "trials.jsonl";
 pub(crate) struct Lines {
     pub(crate) path: PathBuf,
     file: File,
-    /// Bytes of whole lines.
+    /// Bytes that are kept.
     len: u64,
 }
 
 impl Lines {
-    /// Opens the file, and locks it for this process. A last line without its line end is cut off.
+    /// Opens the file, and locks it for this process; also returns its whole lines. What comes after them stays until
+    /// [`Lines::drop_rest`].
     pub(crate) fn open(folder: &Path) -> Result<(Self, String), ExperimentError> {
         let mut lines = Lines::lock(folder)?;
         let path = lines.path.clone();
@@ -31,12 +32,21 @@ impl Lines {
         read.map_err(|source| ExperimentError::File { path: path.clone(), source })?;
         let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
         bytes.truncate(whole);
-        lines.cut(whole as u64)?;
         let text = String::from_utf8(bytes).map_err(|_| ExperimentError::Content {
             path,
             reason: "this is not text".to_owned(),
         })?;
         Ok((lines, text))
+    }
+
+    /// Whether the file holds anything.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Cuts off what comes after the whole lines: a last line without its line end.
+    pub(crate) fn drop_rest(&mut self, text: &str) -> Result<(), ExperimentError> {
+        self.cut(text.len() as u64)
     }
 
     /// Opens the file, locks it for this process, and deletes all that it holds.
@@ -140,8 +150,10 @@ mod tests {
         lines.file.write_all(b"half a li").unwrap();
         lines.cut(lines.len).unwrap();
         lines.append(&record(0, 1, 0, 1.0)).unwrap();
+        lines.file.write_all(b"half a li").unwrap();
         drop(lines);
-        let (lines, text) = Lines::open(folder.path()).unwrap();
+        let (mut lines, text) = Lines::open(folder.path()).unwrap();
+        lines.drop_rest(&text).unwrap();
         assert_eq!((text.lines().count(), text.len() as u64), (2, lines.len));
         assert!(text.lines().all(|line| line.starts_with('{') && line.ends_with('}')), "{text}");
     }

@@ -178,6 +178,7 @@ fn races(
     write::folder(folder)?;
     let (mut lines, text) = Lines::open(folder)?;
     let winners = winners(&text, &lines.path)?;
+    lines.drop_rest(&text)?;
     let all = maps.len() as u64;
     let panel = Panel::reference();
     for (map, done) in maps.into_iter().zip(1..) {
