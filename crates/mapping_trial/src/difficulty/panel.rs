@@ -1,5 +1,6 @@
 //! Panels: the policies, lasers and estimators under which difficulties are measured.
 
+use envgen::SpecError;
 use serde::{Deserialize, Serialize};
 
 use crate::experiment::survey::{Condition, SurveyError, check_conditions, ron_options};
@@ -33,16 +34,22 @@ impl Panel {
     /// # Panics
     /// Never: the file is part of the crate, and tested.
     pub fn reference() -> Self {
-        Self::from_ron(REFERENCE).expect("panel_1.ron is a panel")
+        read(REFERENCE).expect("panel_1.ron is a panel")
     }
 
     /// Reads a panel from RON.
     ///
     /// # Errors
-    /// Line and column of a mistake, or the first value that is not allowed.
+    /// Line and column of a mistake, or the first value that is not allowed; the name of the [reference](Self::reference)
+    /// panel with other conditions.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
-        let panel: Panel = ron_options().from_str(text).map_err(Box::new)?;
-        check_conditions(&panel.conditions)?;
+        let (panel, reference) = (read(text)?, Panel::reference());
+        // What it measured would be taken for what the reference panel measured.
+        if panel.name == reference.name && panel != reference {
+            let allowed = "a name of its own: the reference panel has other conditions";
+            let error = SpecError::new("name", &panel.name, allowed);
+            return Err(SurveyError::Value { place: "panel".to_owned(), error });
+        }
         Ok(panel)
     }
 
@@ -59,6 +66,12 @@ impl Panel {
         }
         self.conditions = kept;
     }
+}
+
+fn read(text: &str) -> Result<Panel, SurveyError> {
+    let panel: Panel = ron_options().from_str(text).map_err(Box::new)?;
+    check_conditions(&panel.conditions)?;
+    Ok(panel)
 }
 
 #[cfg(test)]
@@ -84,5 +97,8 @@ mod tests {
         let laser =
             error("(name: \"mine\", version: 1, conditions: [(name: \"a\", laser: \"far\")])");
         assert!(laser.starts_with("a: `laser` must be lms200_mm"), "{laser}");
+        let name = error("(name: \"reference\", version: 1, conditions: [(name: \"a\")])");
+        assert!(name.starts_with("panel: `name` must be a name of its own"), "{name}");
+        assert_eq!(Panel::from_ron(REFERENCE), Ok(Panel::reference()));
     }
 }
