@@ -18,7 +18,7 @@ use clap::Parser;
 use envgen::whole_file;
 use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::experiment::stats::Interval;
-use mapping_trial::experiment::survey::summary::{Summary, summarise};
+use mapping_trial::experiment::survey::summary::{Means, Summary, summarise};
 use mapping_trial::experiment::survey::{Survey, SurveyFolder};
 use mapping_trial::experiment::{ExperimentError, Shard};
 
@@ -125,20 +125,26 @@ fn print(summary: &Summary, faults: usize) {
         let name = format!("{}, {}", group.family, group.condition);
         let ends: Vec<String> =
             group.ends.iter().map(|(end, n)| format!("{} {n}", end.text())).collect();
-        let mean = group.mean;
+        let number = |value: Option<f64>, width: usize, decimals: usize| match value {
+            Some(value) => format!("{value:width$.decimals$}"),
+            None => format!("{:>width$}", "-"),
+        };
+        let mean = |of: fn(&Means) -> f64, width, decimals| {
+            number(group.mean.as_ref().map(of), width, decimals)
+        };
         println!(
-            "{name:>40} {:6} {:5.2} {:5.2} {:5.2} {:5.2} {:5.2} {:5.2} {:5.3} {:6.0} {:8.2} {:8.2}  {}",
+            "{name:>40} {:6} {} {} {} {} {} {} {} {} {} {}  {}",
             group.trials,
-            mean.difficulty,
-            mean.mapping,
-            mean.navigation,
-            mean.score_1[0],
-            mean.score_1[1],
-            mean.score_1[2],
-            mean.coverage,
-            mean.time,
-            group.median_error,
-            group.high_error,
+            mean(|mean| mean.difficulty, 5, 2),
+            mean(|mean| mean.mapping, 5, 2),
+            mean(|mean| mean.navigation, 5, 2),
+            mean(|mean| mean.score_1[0], 5, 2),
+            mean(|mean| mean.score_1[1], 5, 2),
+            mean(|mean| mean.score_1[2], 5, 2),
+            mean(|mean| mean.coverage, 5, 3),
+            mean(|mean| mean.time, 6, 0),
+            number(group.median_error, 8, 2),
+            number(group.high_error, 8, 2),
             ends.join(", ")
         );
     }

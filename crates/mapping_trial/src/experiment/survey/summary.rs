@@ -46,12 +46,12 @@ pub struct Group {
     pub ends: BTreeMap<EndReason, usize>,
     /// Number of trials without scores.
     pub failures: usize,
-    /// Means over the trials.
-    pub mean: Means,
-    /// Median of the trajectory error in metres.
-    pub median_error: f64,
-    /// 90 % quantile of the trajectory error in metres.
-    pub high_error: f64,
+    /// Means over the trials with scores; `None` without any.
+    pub mean: Option<Means>,
+    /// Median of the trajectory error in metres; `None` without any.
+    pub median_error: Option<f64>,
+    /// 90 % quantile of the trajectory error in metres; `None` without any.
+    pub high_error: Option<f64>,
 }
 
 /// Means over trials.
@@ -167,7 +167,7 @@ fn group(family: String, condition: String, records: &[&Record]) -> Group {
     let mean = |of: fn(&Scores) -> f64| {
         scores.iter().map(|scores| of(scores)).sum::<f64>() / scores.len() as f64
     };
-    group.mean = Means {
+    group.mean = Some(Means {
         difficulty: mean(|s| s.difficulty),
         mapping: mean(|s| s.mapping),
         navigation: mean(|s| s.navigation),
@@ -178,10 +178,11 @@ fn group(family: String, condition: String, records: &[&Record]) -> Group {
         ],
         coverage: mean(|s| s.coverage),
         time: mean(|s| s.time),
-    };
+    });
     let errors: Vec<f64> = scores.iter().map(|scores| scores.trajectory_error).collect();
     let mut errors = Data::new(errors);
-    (group.median_error, group.high_error) = (errors.quantile(0.5), errors.quantile(0.9));
+    group.median_error = Some(errors.quantile(0.5));
+    group.high_error = Some(errors.quantile(0.9));
     group
 }
 

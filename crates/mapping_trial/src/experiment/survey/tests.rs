@@ -155,6 +155,8 @@ fn a_robot_that_does_not_fit_is_a_record_with_its_reason() {
     let summary = summarise(&survey, &records);
     assert!(summary.faults.iter().all(|fault| fault.kind == FaultKind::Failed));
     assert_eq!((summary.faults.len(), summary.measures.len()), (2, 0));
+    // Which is not the easiest of all.
+    assert_eq!((summary.groups[0].mean, summary.groups[0].median_error), (None, None));
 }
 
 #[test]
