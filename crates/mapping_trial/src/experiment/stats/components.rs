@@ -59,8 +59,8 @@ pub struct Components {
     /// Signal to noise: the variance of maps over the variance within a map, of noise and of
     /// all interactions with the map. Absent if nothing varies within a map.
     pub signal_to_noise: Option<Interval>,
-    /// Trials per map, spread over all conditions and each with noise of its own, for a standard error of 0.2 of its
-    /// mean.
+    /// Trials per map, each under conditions that are drawn at random and with noise of its own, for a standard error of
+    /// 0.2 of its mean. Where the conditions are few and the same for all maps, more trials reduce the noise alone.
     pub trials_for_fifth: u64,
 }
 
