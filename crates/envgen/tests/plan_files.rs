@@ -9,6 +9,7 @@ use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::hallway::HallwaySpec;
 use envgen::import::{read_geojson, read_houseexpo, reader};
+use envgen::indoor::IndoorSpec;
 use envgen::world::{Doorway, Extent, Obstacle, ObstacleKind, Tree, Wall, WallKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World, WorldKind};
 use proptest::prelude::*;
@@ -514,10 +515,68 @@ fn lanes_of_buildings_are_free() {
         for [a, b] in &lanes {
             for i in 0..=50 {
                 let p = a.lerp(*b, f64::from(i) / 50.0);
-                assert!(world.clearance(p) > 0.2, "{kind}: {} at {p}", world.clearance(p));
+                assert!(world.clearance(p) > 0.3 - 1e-9, "{kind}: {} at {p}", world.clearance(p));
             }
         }
         let is_open = world.goal.is_some() && !matches!(kind, WorldKind::Landscape);
         assert!(!is_open || !lanes.is_empty(), "{kind}");
+    }
+}
+
+/// The numbers of the vertices that lanes connect with the start.
+fn connected(building: &Building) -> Vec<u64> {
+    let ends = |lane: &Value| [lane[0].as_u64().unwrap(), lane[1].as_u64().unwrap()];
+    let lanes: Vec<[u64; 2]> =
+        building.level["lanes"].as_array().unwrap().iter().map(ends).collect();
+    let mut reached = vec![0];
+    let mut next = 0;
+    while let Some(&at) = reached.get(next) {
+        next += 1;
+        for [a, b] in lanes.iter().flat_map(|&[a, b]| [[a, b], [b, a]]) {
+            if a == at && !reached.contains(&b) {
+                reached.push(b);
+            }
+        }
+    }
+    reached
+}
+
+#[test]
+fn lanes_lead_to_the_goal_and_into_every_room() {
+    for seed in 1..=4 {
+        let spec = IndoorSpec { width: 8, height: 8, ..Default::default() };
+        let world = spec.generate(Seed(seed)).unwrap().to_world();
+        let building = Building::of(&world);
+        let connected = connected(&building);
+        // Start and goal come first, then the rooms.
+        let places = 2 + world.rooms.len() as u64;
+        let missing: Vec<u64> = (0..places).filter(|place| !connected.contains(place)).collect();
+        assert!(missing.is_empty(), "seed {seed}: {missing:?} of {places}");
+        for (room, at) in world.rooms.iter().zip(&building.vertices[2..]) {
+            assert!(room.shape.contains(*at), "{} at {at}", room.name);
+        }
+    }
+}
+
+#[test]
+fn turned_polygons_are_centre_lines_and_doors() {
+    let bounds = Rect::new(DVec2::ZERO, DVec2::splat(10.0));
+    let mut world = World::new(Provenance::other("manual", Value::Null), bounds);
+    let at = |x: f64| Shape::Box {
+        center: DVec2::new(x, 5.0),
+        half_size: DVec2::new(0.5, 0.05),
+        heading: 0.6,
+    };
+    world.walls.push(Wall::new(WallKind::Wall, at(3.0)));
+    world.doorways.push(Doorway::new(at(5.0), true, [None, None]));
+    let turned = read_geojson(&mut written(&world, "a.geojson").as_bytes()).unwrap();
+    assert!(matches!(turned.walls[0].shape, Shape::Polygon { .. }), "{:?}", turned.walls[0].shape);
+    let (before, after) = (Building::of(&world), Building::of(&turned));
+    for name in ["walls", "doors"] {
+        let (before, after) = (before.edges(name), after.edges(name));
+        assert_eq!((before.len(), after.len()), (1, 1), "{name}");
+        let [a, b] = before[0];
+        let is_same = |[c, d]: [DVec2; 2]| a.distance(c).max(b.distance(d)) < 1e-9;
+        assert!(is_same(after[0]) || is_same([after[0][1], after[0][0]]), "{name}: {after:?}");
     }
 }

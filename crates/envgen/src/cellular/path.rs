@@ -79,6 +79,12 @@ impl CheapestPaths {
         CheapestPaths { start, before }
     }
 
+    /// Whether a path leads to a cell.
+    #[cfg(feature = "rmf")]
+    pub(crate) fn reaches(&self, cell: usize) -> bool {
+        cell == self.start || self.before[cell] != NONE
+    }
+
     /// The path to a cell, both ends included; `None` where no path exists.
     pub(crate) fn to(&self, goal: usize) -> Option<Vec<usize>> {
         let before = |&cell: &usize| Some(self.before[cell]).filter(|&cell| cell != NONE);

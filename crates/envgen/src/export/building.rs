@@ -3,7 +3,7 @@
 //! Coordinates are `cartesian_meters`, those of the world. The one level has walls, doors, a floor and the lanes of
 //! the navigation graph 0. RMF's walls are lines that its tools make 0.1 m thick: thin walls become their centre
 //! line, every other solid its outline. Each doorway is a hinged door that turns by 90 degrees about its first
-//! end. Lanes lead from the start to the goal and to the middle of every room, where a robot with a radius of
+//! end. Lanes lead from the start to the goal and into every room, as near to its middle as a robot with a radius of
 //! 0.3 m can go. Values have a type: 1 text, 2 whole number, 3 number, 4 truth value. Walls and doors state their
 //! `bottom` and `top` in metres, which RMF's tools ignore: their walls are 2.5 m high.
 
@@ -14,30 +14,18 @@ use std::io::{self, BufWriter, Write};
 use glam::DVec2;
 
 use super::error::ExportError;
-use crate::cellular::{CheapestPaths, c_space};
-use crate::geometry::{Shape, box_axis, edges, regular_polygon};
-use crate::grid::GridFrame;
-use crate::occupancy::{Coverage, OccupancyGrid};
+use super::lanes::Lanes;
+use crate::geometry::{Shape, edges, regular_polygon};
 use crate::world::{PartId, PartKind, World};
 
 /// Walls of up to this thickness in metres are drawn as their centre line.
 const THIN: f64 = 0.5;
 
+/// The share by which the area of a polygon that counts as a rectangle may differ from that of one.
+const RECTANGULAR: f64 = 1e-6;
+
 /// Corners of the outline of a disc.
 const CORNERS: usize = 16;
-
-/// Radius in metres of the robot for which lanes are free.
-const ROBOT_RADIUS: f64 = 0.3;
-
-/// Side in metres of a cell of the grid on which lanes are looked for, in a world that is not large.
-const CELL: f64 = 0.1;
-
-/// The most cells of that grid, about.
-const MOST_CELLS: f64 = 4e6;
-
-/// How many points of a path the next turn is looked for beyond the last one: over all, the work would grow with the
-/// square of a corridor's length.
-const LOOK_AHEAD: usize = 500;
 
 /// Writes the plan of a world.
 pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
@@ -164,9 +152,7 @@ impl Plan {
 
     fn add_doors(&mut self, world: &World) {
         for (i, doorway) in world.doorways.iter().enumerate() {
-            let bounds = Shape::from_rect(doorway.shape.bounds());
-            let line = centre_line(&doorway.shape).or_else(|| centre_line(&bounds));
-            let Some((a, b, _)) = line else { continue };
+            let (a, b, _) = doorway.shape.long_axis();
             let (from, to) = (self.vertex(a), self.vertex(b));
             let height = height(world, PartId { kind: PartKind::Doorway, index: i as u32 });
             self.doors.push(format!(
@@ -182,17 +168,20 @@ impl Plan {
         let spot = "is_parking_spot: [4, true]";
         let start = world.start.map(|start| self.named(start.position, "start", spot));
         let goal = world.goal.map(|goal| (goal.position, self.named(goal.position, "goal", "")));
+        let lanes_from = world.start.and_then(|start| Lanes::from(world, start.position));
         let rooms = world.rooms.iter().enumerate();
         let rooms = rooms.map(|(i, room)| {
             let middle = room.shape.bounds().center();
-            (middle, self.named(middle, &format!("{} {i}", room.name), ""))
+            let nearest =
+                lanes_from.as_ref().and_then(|lanes| lanes.nearest_in(&room.shape, middle));
+            let at = nearest.unwrap_or(middle);
+            (at, self.named(at, &format!("{} {i}", room.name), ""))
         });
         let targets: Vec<_> = goal.into_iter().chain(rooms).collect();
-        let (Some(from), Some(pose)) = (start, world.start) else { return };
-        let Some(ground) = ReachableCells::of(world, pose.position) else { return };
+        let (Some(from), Some(lanes_from)) = (start, lanes_from) else { return };
         let mut lanes = BTreeMap::new();
         for (at, vertex) in targets {
-            let Some(turns) = ground.turns(pose.position, at) else { continue };
+            let Some(turns) = lanes_from.turns(at) else { continue };
             let mut before = from;
             for point in turns {
                 let next = self.vertex(point);
@@ -214,67 +203,18 @@ impl Plan {
     }
 }
 
-/// The cells that a robot's middle can be in, and the cheapest paths from the start through them.
-struct ReachableCells {
-    frame: GridFrame,
-    blocked: Vec<bool>,
-    paths: CheapestPaths,
-}
-
-impl ReachableCells {
-    fn of(world: &World, start: DVec2) -> Option<Self> {
-        let size = world.bounds.size();
-        let least = (size.x * size.y / MOST_CELLS).sqrt().max(size.max_element() / MOST_CELLS);
-        let grid = OccupancyGrid::of(world, CELL.max(least), Coverage::Conservative).ok()?;
-        let frame = grid.frame();
-        let reach = (ROBOT_RADIUS / frame.cell_size).ceil() as usize;
-        let blocked = c_space(frame.cols, grid.cells(), reach);
-        let start = frame.index_at(start).filter(|&cell| !blocked[cell])?;
-        let paths = CheapestPaths::new(frame.cols, &blocked, frame.cell_size, start, None);
-        Some(ReachableCells { frame, blocked, paths })
-    }
-
-    /// The points at which a path turns, without its ends; `None` where there is no path.
-    fn turns(&self, start: DVec2, goal: DVec2) -> Option<Vec<DVec2>> {
-        let cell = self.frame.index_at(goal).filter(|&cell| !self.blocked[cell])?;
-        let cells = self.paths.to(cell)?;
-        let mut points: Vec<DVec2> = cells.iter().map(|&cell| self.frame.center_of(cell)).collect();
-        if let [first, .., last] = points.as_mut_slice() {
-            (*first, *last) = (start, goal);
-        }
-        // From each point to the last one that is seen from it.
-        let (mut turns, mut at) = (Vec::new(), 0);
-        while at + 1 < points.len() {
-            let farthest = points.len().min(at + LOOK_AHEAD);
-            let seen = (at + 2..farthest).take_while(|&next| self.sees(points[at], points[next]));
-            at = seen.last().unwrap_or(at + 1);
-            turns.push(points[at]);
-        }
-        turns.pop();
-        Some(turns)
-    }
-
-    fn sees(&self, a: DVec2, b: DVec2) -> bool {
-        let steps = (4.0 * a.distance(b) / self.frame.cell_size).ceil().max(1.0);
-        (0..=steps as u32).all(|i| {
-            let p = a.lerp(b, f64::from(i) / steps);
-            self.frame.index_at(p).is_some_and(|cell| !self.blocked[cell])
-        })
-    }
-}
-
-/// The line along the middle of a shape's longer side, and its thickness; `None` for discs and polygons.
+/// The line along the middle of a shape's longer side, and its thickness; `None` for what is no rectangle.
 fn centre_line(shape: &Shape) -> Option<(DVec2, DVec2, f64)> {
-    match *shape {
-        Shape::Segment { a, b } => Some((a, b, 0.0)),
-        Shape::Box { center, half_size, heading } => {
-            let axis = box_axis(heading);
-            let is_long = half_size.x >= half_size.y;
-            let along = if is_long { axis * half_size.x } else { axis.perp() * half_size.y };
-            Some((center - along, center + along, 2.0 * half_size.min_element()))
+    let axis = shape.long_axis();
+    let is_rectangle = match shape {
+        Shape::Segment { .. } | Shape::Box { .. } => true,
+        Shape::Disc { .. } => false,
+        Shape::Polygon { vertices } => {
+            let area = axis.0.distance(axis.1) * axis.2;
+            vertices.len() == 4 && (shape.area() - area).abs() <= RECTANGULAR * area
         }
-        Shape::Disc { .. } | Shape::Polygon { .. } => None,
-    }
+    };
+    is_rectangle.then_some(axis)
 }
 
 /// The bottom and top of a part.

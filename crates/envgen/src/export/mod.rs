@@ -33,6 +33,8 @@ mod geojson;
 mod gltf;
 mod houseexpo;
 mod job;
+#[cfg(feature = "rmf")]
+mod lanes;
 #[cfg(feature = "mjcf")]
 mod mjcf;
 #[cfg(feature = "paths")]

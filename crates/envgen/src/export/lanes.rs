@@ -1,0 +1,136 @@
+//! Lanes: straight lines from place to place on which a round robot is free.
+
+use glam::DVec2;
+
+use crate::cellular::CheapestPaths;
+use crate::clearance_index::ClearanceIndex;
+use crate::geometry::Shape;
+use crate::grid::GridFrame;
+use crate::surface_index::{Ground, SurfaceIndex};
+use crate::world::World;
+
+/// Radius in metres of the robot for which lanes are free.
+const ROBOT_RADIUS: f64 = 0.3;
+
+/// Side in metres of a cell of the grid on which lanes are looked for, in a world that is not large.
+const CELL: f64 = 0.1;
+
+/// The most cells of that grid, about.
+const MOST_CELLS: f64 = 4e6;
+
+/// How much farther clearances are known than they are needed, in metres: lines are looked up in longer pieces.
+const BEYOND: f64 = 1.0;
+
+/// Cells to each side in which a lane begins or ends.
+const AROUND: isize = 2;
+
+/// The lanes from a start.
+pub(super) struct Lanes {
+    ground: FreeGround,
+    start: DVec2,
+    paths: CheapestPaths,
+}
+
+/// Where the robot can be.
+struct FreeGround {
+    frame: GridFrame,
+    solids: ClearanceIndex,
+    surfaces: SurfaceIndex,
+}
+
+impl Lanes {
+    /// The lanes from a start; `None` where the robot does not fit there.
+    pub(super) fn from(world: &World, start: DVec2) -> Option<Self> {
+        let size = world.bounds.size();
+        let least = (size.x * size.y / MOST_CELLS).sqrt().max(size.max_element() / MOST_CELLS);
+        let side = CELL.max(least);
+        let count = (size / side).ceil().max(DVec2::ONE);
+        let (cols, rows) = (count.x as usize, count.y as usize);
+        let frame = GridFrame { origin: world.bounds.min, cell_size: side, cols, rows };
+        // So much room around the middles of two neighbours keeps the line between them free.
+        let room = (ROBOT_RADIUS * ROBOT_RADIUS + 0.5 * side * side).sqrt();
+        let solids = ClearanceIndex::new(world, room + BEYOND).ok()?;
+        let ground =
+            FreeGround { frame, solids, surfaces: SurfaceIndex::of(world, Ground::is_barrier) };
+        let is_blocked = |cell: usize| {
+            let p = frame.center_of(cell);
+            ground.solids.clearance(p) < room || ground.surfaces.at(p).is_barrier()
+        };
+        let blocked: Vec<bool> = (0..frame.len()).map(is_blocked).collect();
+        let first = ground.cell_near(start, |cell| !blocked[cell])?;
+        let paths = CheapestPaths::new(cols, &blocked, side, first, None);
+        Some(Lanes { ground, start, paths })
+    }
+
+    /// The point of an area that a lane can lead to and that is nearest to another one.
+    pub(super) fn nearest_in(&self, area: &Shape, to: DVec2) -> Option<DVec2> {
+        if self.end(to).is_some() {
+            return Some(to);
+        }
+        let (frame, bounds) = (self.ground.frame, area.bounds());
+        let [low, high] = [bounds.min, bounds.max].map(|corner| {
+            let cell = ((corner - frame.origin) / frame.cell_size).max(DVec2::ZERO);
+            (cell.x as usize, cell.y as usize)
+        });
+        let (cols, rows) = (low.0..=high.0.min(frame.cols - 1), low.1..=high.1.min(frame.rows - 1));
+        let cells = rows.flat_map(|row| cols.clone().map(move |col| (col, row)));
+        cells
+            .filter(|&(col, row)| self.paths.reaches(frame.index(col, row)))
+            .map(|(col, row)| frame.center(col, row))
+            .filter(|&p| area.contains(p))
+            .min_by(|a, b| a.distance_squared(to).total_cmp(&b.distance_squared(to)))
+    }
+
+    /// The points at which the lane to a goal turns, without its ends; `None` where there is none.
+    pub(super) fn turns(&self, goal: DVec2) -> Option<Vec<DVec2>> {
+        let cells = self.paths.to(self.end(goal)?)?;
+        let cells = cells.iter().map(|&cell| self.ground.frame.center_of(cell));
+        let points: Vec<DVec2> = [self.start].into_iter().chain(cells).chain([goal]).collect();
+        let (mut turns, mut at) = (Vec::new(), 0);
+        while at + 1 < points.len() {
+            at = self.farthest_seen(&points, at);
+            turns.push(points[at]);
+        }
+        turns.pop();
+        Some(turns)
+    }
+
+    /// A point that is seen from another one, far along a path: the steps grow as long as they end at such points.
+    fn farthest_seen(&self, points: &[DVec2], at: usize) -> usize {
+        let last = points.len() - 1;
+        let (mut seen, mut step, mut grows) = (at + 1, 1, true);
+        while step > 0 && seen < last {
+            let next = (seen + step).min(last);
+            let is_seen = self.ground.is_free_along(points[at], points[next]);
+            if is_seen {
+                seen = next;
+            }
+            grows &= is_seen;
+            step = if grows { 2 * step } else { step / 2 };
+        }
+        seen
+    }
+
+    /// The cell at which the lane to a point ends.
+    fn end(&self, goal: DVec2) -> Option<usize> {
+        self.ground.cell_near(goal, |cell| self.paths.reaches(cell))
+    }
+}
+
+impl FreeGround {
+    /// The nearest cell of some around a point from whose middle a robot gets there.
+    fn cell_near(&self, p: DVec2, is_one: impl Fn(usize) -> bool) -> Option<usize> {
+        let middle = self.frame.index_at(p)?;
+        let offsets =
+            (-AROUND..=AROUND).flat_map(|up| (-AROUND..=AROUND).map(move |right| (right, up)));
+        let distance2 = |cell: usize| self.frame.center_of(cell).distance_squared(p);
+        offsets
+            .filter_map(|(right, up)| self.frame.neighbour(middle, right, up))
+            .filter(|&cell| is_one(cell) && self.is_free_along(self.frame.center_of(cell), p))
+            .min_by(|&a, &b| distance2(a).total_cmp(&distance2(b)))
+    }
+
+    fn is_free_along(&self, a: DVec2, b: DVec2) -> bool {
+        self.solids.is_clear_along(a, b, ROBOT_RADIUS) && !self.surfaces.barrier_along(a, b).0
+    }
+}
