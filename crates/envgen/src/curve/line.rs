@@ -3,7 +3,10 @@
 use glam::DVec2;
 
 use super::{Curve, Path};
-use crate::geometry::unit_vector;
+use crate::geometry::{unit_vector, wrap_angle};
+
+/// Two lines that differ by less than this angle in radians are one.
+const STRAIGHT: f64 = 1e-12;
 
 /// No piece is cut into more chords than this.
 const MOST_CHORDS: f64 = 100_000.0;
@@ -29,17 +32,21 @@ impl Path<'_> {
         assert!(tolerance > 0.0, "the tolerance must be positive, got {tolerance} m");
         let mut stations = vec![from];
         let first = self.piece_at(from).map_or(0, |(i, _)| i);
-        let mut straight = false;
+        let mut before: Option<&Curve> = None;
         for (i, curve) in self.curves().iter().enumerate().skip(first) {
             let start = self.start_of(i).max(from);
             if start >= to {
                 break;
             }
             let end = self.start_of(i + 1).min(to);
-            if i > first && start > from && !(straight && curve.is_line()) {
+            let continues = |line: &Curve| {
+                let turn = wrap_angle(curve.start.heading - line.start.heading);
+                line.is_line() && curve.is_line() && turn.abs() < STRAIGHT
+            };
+            if i > first && start > from && !before.is_some_and(continues) {
                 stations.push(start);
             }
-            straight = curve.is_line();
+            before = Some(curve);
             let chords = chords(curve, end - start, offset.abs(), tolerance);
             let length = (end - start) / chords;
             stations.extend((1..chords as u64).map(|k| start + k as f64 * length));

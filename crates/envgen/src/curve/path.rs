@@ -265,6 +265,9 @@ mod tests {
             [Curve::line(Pose::default(), 9.0), Curve::arc(further.end(), 8.0, 0.1)]
         );
         assert_eq!(path.stations(0.0, 1e3), [0.0, 9.0, 15.0, 17.0]);
+        // Lines that turn are none.
+        let turned = Curve::line(Pose { heading: 0.3, ..line.end() }, 5.0);
+        assert_eq!(Path::new(vec![line, turned]).stations(0.0, 1e3), [0.0, 4.0, 9.0]);
     }
 
     #[test]
