@@ -265,8 +265,8 @@ class Robot:
             near = [point for point in points[::2] if abs(point[0]) + abs(point[1]) < SEEN]
             # What the wheels may be wrong by since the last scan.
             far = 0.02 + 0.1 * math.dist(self.pose[:2], self.drawn[:2])
-            turn = 0.01 + 0.1 * abs(self.pose[2] - self.drawn[2])
-            self.pose = list(self.grid.match(tuple(self.pose), near, far, turn))
+            turned = 0.01 + 0.1 * abs(self.pose[2] - self.drawn[2])
+            self.pose = list(self.grid.match(tuple(self.pose), near, far, turned))
         self.drawn = [*self.pose, seen["time"]]
         x, y, heading = self.pose
         cos, sin = math.cos(heading), math.sin(heading)
