@@ -11,12 +11,13 @@ use envgen::located::Locate;
 use envgen::{Seed, WorldKind, WorldSpec, import};
 
 use crate::saving::FOLDER;
+use crate::spec_file;
 
 /// Change a world by hand: rooms, hallways and doorways of indoor maps, and the parts of any other world.
 #[derive(Parser, Clone)]
 pub(crate) struct Arguments {
     /// A kind of world (see `envgen kinds`), or a file: a world (.ron, .json, .yaml, .geojson, .map and others), a
-    /// plan of the World Generator (.xml) or a spec (.envgen.ron).
+    /// plan of the World Generator (.xml) or a spec (.ron).
     #[arg(value_name = "KIND|FILE", default_value = WorldKind::Indoor.name())]
     what: String,
 
@@ -59,22 +60,18 @@ impl Arguments {
     pub(crate) fn open(&self) -> Result<Opened, Box<dyn Error>> {
         let path = Path::new(&self.what);
         let kind = self.what.parse::<WorldKind>();
-        let is_spec = self.what.ends_with(".envgen.ron");
         if let (Err(error), false) = (&kind, path.exists() || path.extension().is_some()) {
             return Err(format!("{}: no such file, and {error}", self.what).into());
         }
-        if kind.is_err() && !is_spec {
+        let spec = match kind {
+            Ok(kind) => Some(kind.default_spec()),
+            Err(_) => spec_file::read(path)?,
+        };
+        let Some(mut spec) = spec else {
             if let Some(setting) = self.settings.first() {
                 return Err(format!("--set {setting}: applies to kinds and specs only").into());
             }
             return self.open_world(path);
-        }
-        let mut spec = match kind {
-            Ok(kind) => kind.default_spec(),
-            Err(_) => {
-                let text = std::fs::read_to_string(path).in_file(path)?;
-                WorldSpec::from_ron(&text).in_file(path)?
-            }
         };
         self.set(&mut spec)?;
         let mut rooms = Catalogue::builtin().clone();

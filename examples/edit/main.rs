@@ -24,6 +24,8 @@ mod panels;
 mod samples;
 mod saving;
 mod session;
+#[path = "../shared/spec_file.rs"]
+mod spec_file;
 mod tools;
 mod trial;
 mod view;

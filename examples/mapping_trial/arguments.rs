@@ -9,7 +9,7 @@ use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
 use envgen::scenario::Scenario;
 use envgen::whole_file::{WholeFile, refuse_inputs};
-use envgen::{Blueprint, Seed, Spec, World, WorldSpec, import};
+use envgen::{Blueprint, Seed, Spec, World, import};
 use mapping_trial::mappable_area::MappableArea;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
@@ -19,13 +19,14 @@ use mapping_trial::trial::TrialSettings;
 
 use crate::bag::Bag;
 use crate::trial_arguments::{TrialArguments, help, name, named};
-use crate::{moving, output, robot, start};
+use crate::{moving, output, robot, spec_file, start};
 
 /// The greatest `--size`: 192 grid units are 576 m, and a wall.
 const MAX_SIZE: i64 = 192;
 
 /// Drive a simulated robot through a world that it does not know, and score the map that it makes.
 #[derive(Parser)]
+#[command(allow_negative_numbers = true)]
 #[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct Arguments {
     /// Difficulty of the indoor map, from 0 to 10.
@@ -51,7 +52,7 @@ pub(crate) struct Arguments {
     #[arg(long, allow_negative_numbers = true, conflicts_with = "replay")]
     noise_seed: Option<Seed>,
 
-    /// A world file in any format that `envgen convert` reads, or a spec (.envgen.ron) for any kind of world.
+    /// A world file in any format that `envgen convert` reads, or a spec (.ron) for any kind of world.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["map", "replay"])]
     world: Option<PathBuf>,
 
@@ -166,7 +167,7 @@ impl Arguments {
     /// The world to map.
     pub(crate) fn world(&self) -> Result<World, Box<dyn Error>> {
         if let Some(path) = self.map.as_deref().or(self.world.as_deref()) {
-            let world = self.read(path).in_file(path)?;
+            let world = self.read(path)?;
             // A trial that cannot be scored is not run.
             MappableArea::check_size(&world).in_file(path)?;
             return Ok(world);
@@ -192,6 +193,9 @@ impl Arguments {
         }
         let spec = moving::spec(&self.settings)?;
         if spec.is_still() {
+            if let Some(setting) = self.settings.first() {
+                eprintln!("--set {setting}: nothing moves without doors, people or smoke above 0");
+            }
             return Ok(None);
         }
         Ok(Some(Scenario::new(world, &spec, self.scenario_seed.unwrap_or(self.seed))?))
@@ -221,11 +225,10 @@ impl Arguments {
     }
 
     fn read(&self, path: &Path) -> Result<World, Box<dyn Error>> {
-        if path.to_string_lossy().ends_with(".envgen.ron") {
-            let spec = WorldSpec::from_ron(&std::fs::read_to_string(path)?)?;
-            return Ok(spec.generate(self.seed)?.to_world());
+        match spec_file::read(path)? {
+            Some(spec) => Ok(spec.generate(self.seed).in_file(path)?.to_world()),
+            None => Ok(import::read_world(path).in_file(path)?),
         }
-        Ok(import::read_world(path)?)
     }
 
     /// The settings of the trial. If neither the arguments nor the world give a start, it is in

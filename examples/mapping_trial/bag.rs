@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use envgen::World;
+use envgen::certificate::{Verdict, verify};
 use envgen::located::Locate;
 use envgen::whole_file::{WholeFile, commit_all, create_folder, refuse_inputs};
 use mapping_trial::backend::{RobotBackend, TICK};
@@ -69,7 +70,15 @@ impl Bag {
         self.metadata.write_all(bag.metadata(&name).as_bytes())?;
         // Those who map the world score their map from where this robot started.
         let mut world = world.clone();
-        world.start = Some(trial.trajectory(0).poses[0]);
+        let start = Some(trial.trajectory(0).poses[0]);
+        if world.start != start {
+            world.start = start;
+            // No spec gives that start, and what was promised from the other one may not hold.
+            world.provenance.edited = true;
+            world.provenance.measured = None;
+            let held = verify(&world).into_iter().filter(|(_, verdict)| *verdict == Verdict::Holds);
+            world.certificate = held.map(|(claim, _)| claim).collect();
+        }
         self.world.write_all(world.to_json()?.as_bytes())?;
         let mut files = vec![file, self.metadata, self.world];
         let beside = |name: String| self.path.with_file_name(name);

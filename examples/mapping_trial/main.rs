@@ -27,6 +27,8 @@ mod moving;
 mod output;
 #[path = "../shared/robot.rs"]
 mod robot;
+#[path = "../shared/spec_file.rs"]
+mod spec_file;
 #[path = "../../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
 #[path = "../shared/start.rs"]

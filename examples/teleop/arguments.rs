@@ -15,7 +15,7 @@ use mapping_trial::robot::Robot;
 use mapping_trial::trial::TrialSettings;
 
 use crate::trial_arguments::{TrialArguments, name, named};
-use crate::{moving, robot};
+use crate::{moving, robot, spec_file};
 
 /// Side of the indoor map in grid units: about the size that one robot explores in 20 minutes.
 const SIZE: u32 = 10;
@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
     pub(crate) seed: Seed,
 
-    /// A world file in any format that `envgen convert` reads, or a spec (.envgen.ron) for any kind of world.
+    /// A world file in any format that `envgen convert` reads, or a spec (.ron) for any kind of world.
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
 
@@ -100,9 +100,7 @@ impl Arguments {
             let (spec, _) = SpecForm::new(&spec.into(), self.seed).request()?;
             return Ok(Beginning::Spec(Box::new(spec)));
         };
-        if path.to_string_lossy().ends_with(".envgen.ron") {
-            let text = std::fs::read_to_string(path).in_file(path)?;
-            let spec = WorldSpec::from_ron(&text).in_file(path)?;
+        if let Some(spec) = spec_file::read(path)? {
             spec.validate().in_file(path)?;
             return Ok(Beginning::Spec(Box::new(spec)));
         }

@@ -35,6 +35,8 @@ mod robot_cameras;
 mod samples;
 mod saving;
 mod session;
+#[path = "../shared/spec_file.rs"]
+mod spec_file;
 #[path = "../shared/start.rs"]
 mod start;
 #[path = "../shared/trial_arguments.rs"]

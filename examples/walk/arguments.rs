@@ -8,6 +8,8 @@ use envgen::located::Locate;
 use envgen::scenario::{Scenario, ScenarioSpec};
 use envgen::{Seed, SettingsError, World, WorldKind, WorldSpec, import};
 
+use crate::spec_file;
+
 /// Walk through a world.
 #[derive(Parser)]
 pub(crate) struct Arguments {
@@ -72,12 +74,8 @@ impl Arguments {
     /// The spec; `None` for the file of a finished world.
     fn spec(&self) -> Result<Option<WorldSpec>, Box<dyn Error>> {
         let path = Path::new(&self.world);
-        if self.world.ends_with(".envgen.ron") {
-            let text = std::fs::read_to_string(path).in_file(path)?;
-            return Ok(Some(WorldSpec::from_ron(&text).in_file(path)?));
-        }
         if path.exists() || path.extension().is_some() {
-            return Ok(None);
+            return spec_file::read(path);
         }
         Ok(Some(self.world.parse::<WorldKind>()?.default_spec()))
     }

@@ -13,6 +13,8 @@
 mod arguments;
 #[path = "../shared/samples.rs"]
 mod samples;
+#[path = "../shared/spec_file.rs"]
+mod spec_file;
 mod walker;
 #[path = "../shared/window.rs"]
 mod window;

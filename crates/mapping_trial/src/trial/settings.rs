@@ -1,6 +1,7 @@
 //! The settings of a trial.
 
 use envgen::geometry::Pose;
+use envgen::world::MAX_COORDINATE;
 use envgen::{Seed, SpecError, settings};
 
 use crate::lidar::LaserProfile;
@@ -78,8 +79,8 @@ impl TrialSettings {
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         if let Some(start) = self.start {
-            number("start.x", start.position.x, -1e6, 1e6)?;
-            number("start.y", start.position.y, -1e6, 1e6)?;
+            number("start.x", start.position.x, -MAX_COORDINATE, MAX_COORDINATE)?;
+            number("start.y", start.position.y, -MAX_COORDINATE, MAX_COORDINATE)?;
             number("start.heading", start.heading, -1e3, 1e3)?;
         }
         self.body.validate()
