@@ -17,10 +17,10 @@ pub(crate) struct Arguments {
     source: Source,
 
     #[command(flatten)]
-    moving: Moving,
+    writing: Writing,
 
     #[command(flatten)]
-    writing: Writing,
+    moving: Moving,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {

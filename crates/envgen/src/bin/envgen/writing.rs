@@ -70,6 +70,10 @@ impl Begun {
         blueprint: Option<&WorldBlueprint>,
         steps: &Steps,
     ) -> Result<(), Failure> {
+        if self.picture.curvature_profile && world.road_strips.is_empty() {
+            let text = "applies to roads, but the world has none".to_owned();
+            return Err(Failure::Usage(text).about("--curvature-profile"));
+        }
         say_sizes(world, self.resolution, &self.outputs)?;
         self.picture.scenario.clone_from(&self.scenario);
         for (output, file) in self.outputs.iter().zip(&mut self.files) {
@@ -91,15 +95,13 @@ impl Begun {
 #[derive(Args)]
 #[command(next_help_heading = "Pictures")]
 struct PictureFile {
-    /// Greatest width of pictures in px.
-    #[arg(long, value_name = "PX", allow_negative_numbers = true,
-          default_value_t = PictureOptions::default().width)]
-    picture_width: u32,
+    /// Greatest width of pictures in px [default: 1000].
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    picture_width: Option<u32>,
 
-    /// Greatest height of the plan in pictures in px.
-    #[arg(long, value_name = "PX", allow_negative_numbers = true,
-          default_value_t = PictureOptions::default().height)]
-    picture_height: u32,
+    /// Greatest height of the plan in pictures in px [default: 800].
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    picture_height: Option<u32>,
 
     /// Title of pictures, instead of kind and seed.
     #[arg(long, value_name = "TEXT")]
@@ -122,6 +124,8 @@ impl PictureFile {
             return Ok(());
         }
         let asked = [
+            ("--picture-width", self.picture_width.is_some()),
+            ("--picture-height", self.picture_height.is_some()),
             ("--title", self.title.is_some()),
             ("--grid", self.grid),
             ("--curvature-profile", self.curvature_profile),
@@ -136,13 +140,14 @@ impl PictureFile {
     }
 
     fn options(&self) -> Result<PictureOptions, Failure> {
+        let usual = PictureOptions::default();
         let options = PictureOptions {
-            width: self.picture_width,
-            height: self.picture_height,
+            width: self.picture_width.unwrap_or(usual.width),
+            height: self.picture_height.unwrap_or(usual.height),
             title: self.title.clone(),
             grid: self.grid,
             curvature_profile: self.curvature_profile,
-            ..Default::default()
+            ..usual
         };
         options.validate().map_err(|error| match &error {
             PictureError::Option { option, value, .. } => {
