@@ -124,8 +124,7 @@ pub(crate) fn request(mut environments: Query<Requested, Renewed>, mut commands:
 
 fn compute(world: &World, platform: &Platform) -> Outcome {
     let vector = DifficultyVector::of(world, platform)?;
-    let calibration =
-        Calibration::of(&world.provenance.kind).filter(|_| *platform == Platform::default());
+    let calibration = Calibration::of_world(world).filter(|_| *platform == Platform::default());
     let prediction = calibration.map(|calibration| calibration.predict(&vector));
     Ok(EnvironmentDifficulty { vector, prediction })
 }

@@ -1,5 +1,7 @@
 //! Where a world comes from.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -55,7 +57,33 @@ pub struct MeasuredDifficulty {
     pub noise_seed: Seed,
 }
 
+/// The kind of worlds that were read from files of other formats.
+pub(crate) const IMPORT: &str = "import";
+
 impl Provenance {
+    /// Where a world comes from that was written to a file of another format and read again, as far as the file says;
+    /// that of any other world.
+    ///
+    /// ```
+    /// # #[cfg(feature = "geojson")] {
+    /// use envgen::export::{Format, Job};
+    /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec, import};
+    ///
+    /// let forest = ForestSpec::default().generate(Seed(7))?.to_world();
+    /// let mut file = Vec::new();
+    /// Format::GeoJson.write(&Job::new(&forest), &mut file)?;
+    /// let read = import::read_geojson(&mut file.as_slice())?;
+    /// assert_eq!(read.provenance.kind, "import");
+    /// assert_eq!(read.provenance.original().kind, "forest");
+    /// # }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn original(&self) -> Cow<'_, Provenance> {
+        let made_by = self.spec.get("made_by").filter(|_| self.kind == IMPORT);
+        let made_by = made_by.and_then(|made_by| serde_json::from_value(made_by.clone()).ok());
+        made_by.map_or(Cow::Borrowed(self), Cow::Owned)
+    }
+
     /// Kind and seed, such as `indoor, seed 3`.
     ///
     /// ```

@@ -34,6 +34,7 @@ pub use crate::dials::{Dials, Estimate, Prediction};
 
 use crate::difficulty::DifficultyVector;
 use crate::kind::WorldKind;
+use crate::world::World;
 
 /// The calibrations of this crate.
 static INDOOR: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("indoor.json")));
@@ -110,6 +111,11 @@ impl Calibration {
             Some(WorldKind::Forest) => Some(&FOREST),
             Some(_) => None,
         }
+    }
+
+    /// The calibration of a world's kind; also of a world that was written to a file of another format and read again.
+    pub fn of_world(world: &World) -> Option<&'static Calibration> {
+        Calibration::of(&world.provenance.original().kind)
     }
 
     /// Predicts the difficulty of a world from its difficulty vector.

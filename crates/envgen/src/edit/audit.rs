@@ -57,7 +57,7 @@ impl Audit {
 /// The difficulty that trials are predicted to measure in a world, for the usual robot; `None` for kinds that are not
 /// calibrated, and where the robot does not fit. It takes several times as long as an [`Audit`].
 pub fn predict(world: &World) -> Option<Prediction> {
-    let calibration = Calibration::of(&world.provenance.kind)?;
+    let calibration = Calibration::of_world(world)?;
     let vector = DifficultyVector::of(world, &Platform::default()).ok()?;
     Some(calibration.predict(&vector))
 }

@@ -255,7 +255,7 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
     for (cell, open) in open.iter_mut().enumerate() {
         *open &= frame.center_of(cell).cmplt(end).all();
     }
-    match world.provenance.kind.parse() {
+    match world.provenance.original().kind.parse() {
         Ok(WorldKind::Road) => {
             let Ok(mut inside) = OccupancyGrid::empty(world.bounds, grid.resolution()) else {
                 return;
@@ -272,6 +272,10 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
         Ok(WorldKind::Forest) => {
             let Some(WorldSpec::Forest(spec)) = spec_of(world) else { return };
             let area = spec.area();
+            // A file may have been moved on the way.
+            if !world.bounds.grown(1e-6).contains_rect(area) {
+                return;
+            }
             for (cell, open) in open.iter_mut().enumerate() {
                 *open &= area.contains(frame.center_of(cell));
             }
@@ -291,11 +295,12 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
 
 /// The spec of a generated world, if it is a valid one of this version.
 fn spec_of(world: &World) -> Option<WorldSpec> {
-    let kind: WorldKind = world.provenance.kind.parse().ok()?;
-    if world.provenance.value_version != kind.value_version() {
+    let provenance = world.provenance.original();
+    let kind: WorldKind = provenance.kind.parse().ok()?;
+    if provenance.value_version != kind.value_version() {
         return None;
     }
-    WorldSpec::from_provenance(&world.provenance).ok().filter(|spec| spec.validate().is_ok())
+    WorldSpec::from_provenance(&provenance).ok().filter(|spec| spec.validate().is_ok())
 }
 
 /// The lines across the open ends of a hallway, from the outside of one wall to that of the other.

@@ -10,10 +10,11 @@ use glam::DVec2;
 use serde::de::DeserializeOwned;
 
 use super::PlanError;
-use super::made_by::{IMPORT, made_by};
+use super::made_by::made_by;
 use super::start::start_of_most_clearance;
 use crate::file::{FileError, read_text};
 use crate::geometry::{Pose, Rect, Shape, signed_area};
+use crate::provenance::IMPORT;
 use crate::provenance::Provenance;
 use crate::world::{
     Doorway, Extent, MAX_COORDINATE, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface,

@@ -7,10 +7,11 @@ use glam::DVec2;
 use serde::Deserialize;
 
 use super::PlanError;
-use super::made_by::{IMPORT, made_by};
+use super::made_by::made_by;
 use super::start::start_of_most_clearance;
 use crate::file::{FileError, read_text};
 use crate::geometry::{Pose, Rect, Shape};
+use crate::provenance::IMPORT;
 use crate::provenance::Provenance;
 use crate::world::{Contents, MAX_COORDINATE, Room, Wall, WallKind, World};
 

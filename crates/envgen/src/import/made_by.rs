@@ -2,10 +2,7 @@
 
 use serde_json::Value;
 
-use crate::provenance::Provenance;
-
-/// The kind of these worlds.
-pub(super) const IMPORT: &str = "import";
+use crate::provenance::{IMPORT, Provenance};
 
 /// The provenance of the world that a file was written from. What was read from a file and written again is made by
 /// what that file was made by, so that the values do not nest.

@@ -26,13 +26,13 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::provenance::IMPORT;
 pub use asc::read_asc;
 #[cfg(feature = "picture")]
 pub use class_png::read_class_png;
 #[cfg(feature = "geojson")]
 pub use geojson::read_geojson;
 pub use houseexpo::read_houseexpo;
-use made_by::IMPORT;
 #[cfg(feature = "paths")]
 pub use movingai::{read_map, read_scenarios};
 pub use plan_error::PlanError;

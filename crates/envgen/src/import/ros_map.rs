@@ -13,13 +13,13 @@ use thiserror::Error;
 
 pub use super::grey_image::ImageError;
 use super::grey_image::{Shade, read_image};
-use super::made_by::IMPORT;
 use crate::error::SpecError;
 use crate::export::ros_map::{RESOLUTIONS, RosCell, RosMap};
 use crate::file::{self, FileError};
 use crate::geometry::{Pose, Rect, Shape};
 use crate::occupancy::OccupancyGrid;
 use crate::placement::max_clearance_point;
+use crate::provenance::IMPORT;
 use crate::provenance::Provenance;
 use crate::world::{MAX_COORDINATE, Obstacle, ObstacleKind, Wall, WallKind, World};
 

@@ -81,9 +81,9 @@ impl PanelDifficulty {
             let source = DifficultySource::Measured;
             return Ok(PanelDifficulty { source, dials: measured.dials });
         }
-        let kind = &world.provenance.kind;
+        let kind = || world.provenance.original().kind.clone();
         let calibration =
-            Calibration::of(kind).ok_or_else(|| UnknownDifficulty::Kind(kind.clone()))?;
+            Calibration::of_world(world).ok_or_else(|| UnknownDifficulty::Kind(kind()))?;
         let vector = DifficultyVector::of(world, &Platform::default())?;
         let Prediction { dials, outside, .. } = calibration.predict(&vector);
         if outside > MOST_OUTSIDE {

@@ -250,7 +250,7 @@ fn predicted(
     platform: &Platform,
     vector: Option<&DifficultyVector>,
 ) -> Option<Prediction> {
-    let calibration = Calibration::of(&world.provenance.kind)?;
+    let calibration = Calibration::of_world(world)?;
     let is_known = *platform == Platform::default();
     vector.filter(|_| is_known).map(|vector| calibration.predict(vector))
 }

@@ -19,12 +19,12 @@ use glam::DVec2;
 pub use gazebo::{Cylinder, read_cylinders};
 
 use super::PlanError;
-use super::made_by::IMPORT;
 use crate::cellular::{c_space, middle_ends};
 use crate::difficulty::{BarnMetrics, BarnMode};
 use crate::file::{FileError, read_bytes, read_text};
 use crate::geometry::{Pose, Rect, Shape};
 use crate::landscape::outlines;
+use crate::provenance::IMPORT;
 use crate::provenance::Provenance;
 use crate::world::{ClassRaster, Obstacle, ObstacleKind, World};
 

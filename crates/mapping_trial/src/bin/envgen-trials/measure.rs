@@ -76,8 +76,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     bar.finish_and_clear();
     let measurement = measuring.finish(&scale).ok_or("the panel has no condition")?;
     // Atlases and predictions are of the reference panel.
-    let calibration =
-        Calibration::of(&world.provenance.kind).filter(|_| panel == Panel::reference());
+    let calibration = Calibration::of_world(&world).filter(|_| panel == Panel::reference());
     warn_of_coverage(&measurement);
     let values = measurement.measured.dials.map(|dial| dial.value);
     let percentiles = calibration.and_then(|known| known.atlas.percentiles(values));
