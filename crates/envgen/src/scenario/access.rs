@@ -16,7 +16,7 @@ use crate::grid::GridFrame;
 use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::{Wall, WallKind, World};
 
-/// Side of a cell in metres, where the world is not too large for it and the disc not too small.
+/// Side of a cell in metres, where the disc is not too small for it.
 const CELL: f64 = 0.1;
 
 /// The most cells.
@@ -56,10 +56,11 @@ impl Scenario {
 
     /// The doors that are the only path of a disc to a room, a piece of a hallway or the goal, each with what is
     /// behind it: what the disc reaches from the start with all doors open, and not with this one closed. Found on a
-    /// grid of cells of 0.1 m, or more in worlds of more than 0.16 square kilometres.
+    /// grid of cells of 0.1 m, or of the radius where that is less.
     ///
     /// # Errors
-    /// When the scenario does not fit the world, or `radius` in metres is not from 0.01 to 10.
+    /// When the scenario does not fit the world, `radius` in metres is not from 0.01 to 10, or the world has more than
+    /// 16,777,216 such cells.
     pub fn behind_doors(&self, world: &World, radius: f64) -> Result<Vec<BehindDoor>, SpecError> {
         self.check(world)?;
         if !(RADII[0]..=RADII[1]).contains(&radius) {
@@ -141,9 +142,13 @@ struct FreeCells {
 impl FreeCells {
     fn new(world: &World, radius: f64) -> Result<Self, SpecError> {
         let size = world.bounds.size();
-        let side = CELL.min(radius).max((size.x * size.y / MAX_CELLS).sqrt());
-        let side = side.max(size.max_element() / MAX_CELLS);
+        let side = CELL.min(radius);
         let count = (size / side).ceil().max(DVec2::ONE);
+        // In coarser cells usual doorways are too narrow, and leaves too thin.
+        if count.x * count.y > MAX_CELLS {
+            let allowed = format!("an area of at most {} m^2 for doors", MAX_CELLS * side * side);
+            return Err(SpecError::new("bounds", format!("{} x {} m", size.x, size.y), allowed));
+        }
         let (cols, rows) = (count.x as usize, count.y as usize);
         let frame = GridFrame { origin: world.bounds.min, cell_size: side, cols, rows };
         let index = ClearanceIndex::new(world, radius)?;

@@ -30,6 +30,11 @@ fn the_other_room_is_behind_its_door() {
         let error = scenario.behind_doors(&world, radius).unwrap_err().to_string();
         assert!(error.contains("`radius` must be a number from 0.01 to 10"), "{error}");
     }
+    // In cells of more than 0.1 m doorways are too narrow.
+    world.bounds = Rect::new(DVec2::ZERO, DVec2::splat(500.0));
+    let error = scenario.behind_doors(&world, 0.3).unwrap_err().to_string();
+    assert!(error.contains("`bounds` must be an area of at most 167772"), "{error}");
+    world.bounds = two_rooms("kind: sliding, control: triggered").0.bounds;
     // The leaf of a sliding door is in the wall, that of a hinged one in the room.
     assert_eq!(scenario.with_open_doors(&world).unwrap(), world);
     let (world, hinged) = two_rooms("kind: hinged, control: triggered");

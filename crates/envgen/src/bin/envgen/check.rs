@@ -52,8 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     };
     let all_hold = checked.iter().all(|(_, verdict)| *verdict == Verdict::Holds);
     let is_trusted = all_hold && reproduction.is_credible();
-    let doors: Vec<String> = behind.iter().map(|behind| describe(&world, behind)).collect();
-    match print(&checked, &reproduction, &doors) {
+    match print(&checked, &reproduction, &behind) {
         // A reader that stops after the first line still gets the right exit code.
         Err(Failure::ReaderGone) | Ok(()) => Ok(ExitCode::from(u8::from(!is_trusted))),
         Err(failure) => Err(failure),
@@ -61,13 +60,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
 }
 
 /// The world with every door open, and what is behind single doors.
-fn doors(world: &World, scenario: &Scenario) -> Result<(World, Vec<BehindDoor>), Failure> {
+fn doors(world: &World, scenario: &Scenario) -> Result<(World, Vec<String>), Failure> {
     let radius = world.certificate.iter().find_map(|claim| match claim {
         Claim::Connected { radius } | Claim::EveryPlaceReachable { radius } => Some(*radius),
         _ => None,
     });
     let radius = radius.unwrap_or(Platform::default().circumscribed_radius);
-    Ok((scenario.with_open_doors(world)?, scenario.behind_doors(world, radius)?))
+    let open = scenario.with_open_doors(world)?;
+    let behind = match scenario.behind_doors(world, radius) {
+        // The scenario fits the world: it is too large.
+        Err(error) => vec![format!("not decided what depends on single doors: {error}")],
+        Ok(behind) => behind.iter().map(|behind| describe(world, behind)).collect(),
+    };
+    Ok((open, behind))
 }
 
 fn describe(world: &World, behind: &BehindDoor) -> String {
