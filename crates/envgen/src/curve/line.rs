@@ -8,6 +8,12 @@ use crate::geometry::{unit_vector, wrap_angle};
 /// Two lines that differ by less than this angle in radians are one.
 const STRAIGHT: f64 = 1e-12;
 
+/// Where the heading changes at once by more than this angle in radians, the path turns; less is rounding.
+const CORNER: f64 = 1e-6;
+
+/// One more than the cosine of the sharpest turn at which the lines beside a path are drawn out until they meet.
+const SHARPEST: f64 = 0.2;
+
 /// No piece is cut into more chords than this.
 const MOST_CHORDS: f64 = 100_000.0;
 
@@ -56,7 +62,7 @@ impl Path<'_> {
     }
 
     /// The points at `offset` metres to the left of the path at given distances along it, which
-    /// must not decrease.
+    /// must not decrease; where the path turns at a point, that where the lines beside it meet.
     ///
     /// ```
     /// use envgen::curve::{Curve, Path};
@@ -74,9 +80,22 @@ impl Path<'_> {
             .iter()
             .map(|&s| {
                 let (pose, _) = walk.to(s);
-                pose.position + unit_vector(pose.heading).perp() * offset
+                let normal = unit_vector(pose.heading).perp();
+                let beside = match self.corner_at(s) {
+                    Some(before) => (before + normal) / (1.0 + before.dot(normal)).max(SHARPEST),
+                    None => normal,
+                };
+                pose.position + beside * offset
             })
             .collect()
+    }
+
+    /// The normal with which the path comes to `s` metres, if it turns there.
+    fn corner_at(&self, s: f64) -> Option<DVec2> {
+        let (piece, into) = self.piece_at(s)?;
+        let before = self.curves().get(piece.checked_sub(1).filter(|_| into == 0.0)?)?;
+        let (before, after) = (before.end().heading, self.curves()[piece].start.heading);
+        (wrap_angle(after - before).abs() > CORNER).then(|| unit_vector(before).perp())
     }
 }
 

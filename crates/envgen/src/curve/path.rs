@@ -268,6 +268,10 @@ mod tests {
         // Lines that turn are none.
         let turned = Curve::line(Pose { heading: 0.3, ..line.end() }, 5.0);
         assert_eq!(Path::new(vec![line, turned]).stations(0.0, 1e3), [0.0, 4.0, 9.0]);
+        let right = Curve::line(Pose { heading: std::f64::consts::FRAC_PI_2, ..line.end() }, 5.0);
+        let edge = Path::new(vec![line, right]).offset_curve(1.0, &[0.0, 4.0, 9.0]);
+        let expected = [DVec2::new(0.0, 1.0), DVec2::new(3.0, 1.0), DVec2::new(3.0, 5.0)];
+        assert!(edge.iter().zip(expected).all(|(a, b)| a.distance(b) < 1e-12), "{edge:?}");
     }
 
     #[test]
