@@ -162,6 +162,8 @@ fn bad_input_is_named() {
     has(error(&|s| s.entropy = f64::NAN), "`entropy` must be");
     has(error(&|s| s.entropy = f64::INFINITY), "`entropy` must be");
     has(error(&|s| s.entropy = 2.2), "at most 2.197");
+    let smooth = |sigma| error(&|s| (s.algorithm, s.sigma) = (Algorithm::Smooth, Some(sigma)));
+    has(smooth(193.0), "`sigma` must be at most 192 cells for 48 cells in a row, got 193");
     has(error(&|s| s.classes = 0), "`classes` must be a whole number from 1 to 65535, got 0");
     has(error(&|s| s.classes = 65_536), "`classes` must be");
     has(error(&|s| s.classes = 1), "at most 0 nats");

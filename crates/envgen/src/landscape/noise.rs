@@ -101,6 +101,10 @@ impl Noise {
 /// the standard deviation `sigma`: one filter has the variance d / (1 - d)^2.
 fn decay(sigma: f64) -> f32 {
     let v = sigma * sigma / f64::from(2 * PASSAGES);
+    // The difference below has no digit left.
+    if v < 1e-9 {
+        return v as f32;
+    }
     ((1.0 + 2.0 * v - (1.0 + 4.0 * v).sqrt()) / (2.0 * v)) as f32
 }
 

@@ -124,9 +124,14 @@ impl Algorithm {
     }
 }
 
+/// The most standard deviations of the smoothing per cell of the longer side.
+const MOST_SMOOTHING: f64 = 4.0;
+
 pub(super) const RULES: &[&str] = &[
     "`rows` times `cols` is at most 67,108,864, and 16,777,216 where `algorithm` is smooth",
     "`mixing` times `rows` times `cols` is at most 1,000,000,000 swaps",
+    "`sigma` is at most 4 times the greater of `rows` and `cols`, where `algorithm` is smooth",
+    "the greater of `rows` and `cols` times `cell_size` is at most 100,000 km",
     "`speeds` is empty or has one number for each of the `classes`",
     "`classes` is at most `rows` times `cols`",
     "`entropy` is at most what that many `classes` reach, and where `keep_classes` is true at least \
@@ -165,6 +170,14 @@ impl LandscapeSpec {
             }
         }
         let longest = self.rows.max(self.cols);
+        if let Some(sigma) = self.sigma.filter(|_| self.algorithm == Algorithm::Smooth) {
+            // What is smoothed more is one value in single precision.
+            let most = MOST_SMOOTHING * longest as f64;
+            if sigma > most {
+                let allowed = format!("at most {most} cells for {longest} cells in a row");
+                return Err(SpecError::new("sigma", sigma, allowed));
+            }
+        }
         if self.cell_size * longest as f64 > MAX_COORDINATE {
             let allowed = format!(
                 "at most {} m for {longest} cells in a row: worlds end at {MAX_COORDINATE} m",
