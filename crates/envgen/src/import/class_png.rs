@@ -79,8 +79,8 @@ fn pixel(
         Some(i64::from(u16::from_be_bytes([pair[0], pair[1]])))
     };
     let colour = || {
-        let eight = |k: usize| if bits == 16 { sample(k) >> 8 } else { sample(k) };
-        eight(0) << 16 | eight(1) << 8 | eight(2)
+        let width = if bits == 16 { 16 } else { 8 };
+        sample(0) << (2 * width) | sample(1) << width | sample(2)
     };
     match color {
         ColorType::Indexed => {
@@ -149,9 +149,9 @@ mod tests {
         assert_eq!(found.labels, Some(vec![0, 0x01_02_03]));
 
         let colours = (ColorType::Rgb, BitDepth::Sixteen);
-        let found = read(&encode(colours, (1, 1), None, &[1, 0, 2, 0, 3, 0]));
-        assert_eq!(found.labels, Some(vec![0x01_02_03]));
-        assert_eq!(found.raster.cells, [1]);
+        let found = read(&encode(colours, (2, 1), None, &[1, 0, 2, 0, 3, 0, 1, 1, 2, 0, 3, 0]));
+        assert_eq!(found.labels, Some(vec![0x0100_0200_0300, 0x0101_0200_0300]));
+        assert_eq!(found.raster.cells, [1, 2]);
     }
 
     #[test]

@@ -12,7 +12,7 @@
 //!
 //! PNG is read by the crate `png`, on which `image` depends too.
 
-use png::{ColorType, Decoder, Limits, Transformations};
+use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 use thiserror::Error;
 
 use crate::export::ros_map::MAX_CELLS;
@@ -184,8 +184,8 @@ fn next_word<'a>(rest: &mut &'a [u8]) -> &'a [u8] {
 
 fn read_png(bytes: &[u8]) -> Result<GreyImage, ImageError> {
     let mut decoder = Decoder::new(std::io::Cursor::new(bytes));
-    // Palettes, few bits and transparent colours become plain 8 bits; so do 16 bits.
-    decoder.set_transformations(Transformations::EXPAND | Transformations::STRIP_16);
+    // Palettes, few bits and transparent colours become plain 8 bits; 16 bits stay.
+    decoder.set_transformations(Transformations::EXPAND);
     decoder.set_limits(Limits { bytes: 1 << 30 });
     let header = decoder.read_header_info()?;
     let (width, height) = (u64::from(header.width), u64::from(header.height));
@@ -194,20 +194,26 @@ fn read_png(bytes: &[u8]) -> Result<GreyImage, ImageError> {
     let size = reader.output_buffer_size().ok_or(ImageError::Size { width, height })?;
     let mut data = vec![0; size];
     reader.next_frame(&mut data)?;
-    let samples = match reader.output_color_type().0 {
+    let (color, depth) = reader.output_color_type();
+    let samples = match color {
         ColorType::Grayscale => 1,
         ColorType::GrayscaleAlpha => 2,
         ColorType::Rgb | ColorType::Indexed => 3,
         ColorType::Rgba => 4,
     };
+    let bytes = if depth == BitDepth::Sixteen { 2 } else { 1 };
     let shade = |pixel: &[u8]| {
-        let value = |byte: u8| f64::from(byte) / 255.0;
-        let (colours, alpha) = pixel.split_at(if samples < 3 { 1 } else { 3 });
-        let colour = colours.iter().map(|&byte| value(byte)).sum::<f64>() / colours.len() as f64;
-        Shade { colour, alpha: alpha.first().map(|&byte| value(byte)) }
+        let value = |sample: &[u8]| match *sample {
+            [high, low] => f64::from(u16::from_be_bytes([high, low])) / 65535.0,
+            _ => f64::from(sample[0]) / 255.0,
+        };
+        let (colours, alpha) = pixel.split_at(if samples < 3 { bytes } else { 3 * bytes });
+        let count = (colours.len() / bytes) as f64;
+        let colour = colours.chunks_exact(bytes).map(value).sum::<f64>() / count;
+        Shade { colour, alpha: alpha.chunks_exact(bytes).next().map(value) }
     };
     let pixels = (width * height) as usize;
-    let shades = data.chunks_exact(samples).take(pixels).map(shade).collect();
+    let shades = data.chunks_exact(samples * bytes).take(pixels).map(shade).collect();
     Ok(GreyImage { cols: width as usize, shades })
 }
 
@@ -272,12 +278,12 @@ mod tests {
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Sixteen);
         let mut writer = encoder.write_header().unwrap();
-        let pixels = [255, 0, 0, 0, 0, 0, 255, 255, 0, 0, 0, 0, 0, 0, 0, 0];
+        let pixels = [255, 255, 0, 0, 0, 0, 255, 255, 0, 3, 0, 0, 0, 0, 0, 0];
         writer.write_image_data(&pixels).unwrap();
         writer.finish().unwrap();
         let image = read_image(&file).unwrap();
         assert_eq!(image.shades[0], Shade { colour: 1.0 / 3.0, alpha: Some(1.0) });
-        assert_eq!(image.shades[1], Shade { colour: 0.0, alpha: Some(0.0) });
+        assert_eq!(image.shades[1], Shade { colour: 1.0 / 65535.0, alpha: Some(0.0) });
         for end in 0..file.len() - 12 {
             assert!(read_image(&file[..end]).is_err(), "{end} bytes");
         }
