@@ -120,6 +120,8 @@ mod union_find;
 #[cfg(feature = "whole-file")]
 pub mod whole_file;
 pub mod world;
+#[cfg(any(feature = "mjcf", feature = "opendrive", feature = "sdf", feature = "usarsim"))]
+mod xml_text;
 
 pub use error::SpecError;
 pub use generate::{Blueprint, Spec};

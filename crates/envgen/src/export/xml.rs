@@ -1,6 +1,5 @@
 //! Writing XML.
 
-use std::borrow::Cow;
 use std::io::Write;
 
 use quick_xml::Writer;
@@ -9,6 +8,7 @@ use quick_xml::events::BytesText;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 
 use super::error::ExportError;
+use crate::xml_text::allowed;
 
 /// A name and its value.
 pub(super) type Attribute = (&'static str, String);
@@ -74,13 +74,4 @@ fn element<'a>(name: &'a str, attributes: &'a [Attribute]) -> BytesStart<'a> {
         element.push_attribute((*name, &*allowed(value)));
     }
     element
-}
-
-/// A text with a replacement for each character that XML 1.0 does not allow, not even escaped.
-fn allowed(text: &str) -> Cow<'_, str> {
-    let is_allowed = |c: char| matches!(c, '\t' | '\n' | '\r' | '\u{20}'..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..);
-    if text.chars().all(is_allowed) {
-        return Cow::Borrowed(text);
-    }
-    text.chars().map(|c| if is_allowed(c) { c } else { char::REPLACEMENT_CHARACTER }).collect()
 }

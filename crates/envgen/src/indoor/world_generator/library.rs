@@ -8,6 +8,7 @@ use quick_xml::Writer;
 use super::error::WorldGeneratorError;
 use super::xml::Flat;
 use crate::indoor::catalogue::{Catalogue, HALLWAY_NAME, MAX_ROOM_SIZE, MAX_ROOMS, RoomDesign};
+use crate::xml_text::allowed;
 
 /// The name of a piece of hallway.
 pub const HALLWAY: &str = HALLWAY_NAME;
@@ -101,8 +102,8 @@ pub fn write_library(catalogue: &Catalogue, out: &mut impl io::Write) -> io::Res
                 let src = format!("{}.room.ron", name.replace(' ', "_"));
                 writer
                     .create_element("room")
-                    .with_attribute(("name", name))
-                    .with_attribute(("src", src.as_str()))
+                    .with_attribute(("name", &*allowed(name)))
+                    .with_attribute(("src", &*allowed(&src)))
                     .with_attribute(("size", format!("{depth}, {width}, 1").as_str()))
                     .with_attribute(("tag", "envgen"))
                     .write_empty()?;

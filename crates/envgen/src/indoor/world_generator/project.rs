@@ -16,6 +16,7 @@ use crate::indoor::grid::{
 use crate::indoor::placed_room::PlacedRoom;
 use crate::indoor::spec::{IndoorSpec, Profile};
 use crate::world::Contents;
+use crate::xml_text::allowed;
 
 /// Greatest depth and width of a world that is read, in cells.
 const MAX_SIZE: u32 = 1024;
@@ -182,12 +183,12 @@ pub fn write_project(plan: &FloorPlan, name: &str, out: &mut impl io::Write) -> 
         .create_element("world")
         .with_attribute(("depth", grid.height().to_string().as_str()))
         .with_attribute(("width", grid.width().to_string().as_str()))
-        .with_attribute(("name", name))
+        .with_attribute(("name", &*allowed(name)))
         .write_inner_content(|writer| {
             let mut room = |name: &str, x: u32, y: u32, theta: u8| -> io::Result<()> {
                 writer
                     .create_element("room")
-                    .with_attribute(("name", name))
+                    .with_attribute(("name", &*allowed(name)))
                     .with_attribute(("x", y.to_string().as_str()))
                     .with_attribute(("y", x.to_string().as_str()))
                     .with_attribute(("theta", theta.to_string().as_str()))
