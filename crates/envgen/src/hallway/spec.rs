@@ -138,6 +138,7 @@ pub enum Ends {
 
 pub(super) const RULES: &[&str] = &[
     "`width` plus `wall_thickness` is at most the `pitch`, or twice the `pitch` where `p_tt` is 0",
+    "`segments` times the `pitch` is at most 100,000 km",
     "`alcove_rate`, `door_frame_rate` and `narrowing_rate` together are at most one per `pitch`",
     "`alcove_width` is at most the `pitch` less two times `wall_thickness`, `alcove_depth` at most the `pitch`, \
      where `alcove_rate` is not 0",

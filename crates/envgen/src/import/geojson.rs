@@ -71,6 +71,8 @@ pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
     let bounds = Rect::new(DVec2::ZERO, DVec2::ONE);
     let mut world = World::new(Provenance::other(IMPORT, source), bounds);
     let mut positions = MAX_POSITIONS;
+    // A room with holes, or of several polygons, becomes several.
+    let mut first_rooms = Vec::new();
     for (number, feature) in collection.features.iter().enumerate() {
         let properties = feature.properties.clone().unwrap_or_default();
         let feature_of = Properties { number, properties };
@@ -78,7 +80,16 @@ pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
         if let Some(geometry) = &feature.geometry {
             feature_of.shapes(&geometry.value, &mut positions, &mut shapes)?;
         }
+        let rooms = world.rooms.len();
         feature_of.add(shapes, &mut world)?;
+        if world.rooms.len() > rooms {
+            first_rooms.push(rooms as u32);
+        }
+    }
+    // Doorways name rooms by the order of their features.
+    let more = (world.rooms.len() - first_rooms.len()) as u32;
+    for room in world.doorways.iter_mut().flat_map(|doorway| &mut doorway.rooms).flatten() {
+        *room = first_rooms.get(*room as usize).copied().unwrap_or(room.saturating_add(more));
     }
     let bbox = collection.bbox.as_deref().map(|bbox| match *bbox {
         [a, b, c, d] | [a, b, _, c, d, _] => Ok(Rect::new(DVec2::new(a, b), DVec2::new(c, d))),
@@ -399,6 +410,12 @@ impl Properties {
     }
 
     fn add_road(&self, line: &[DVec2], world: &mut World) -> Result<(), PlanError> {
+        let mut line = line.to_vec();
+        line.dedup();
+        if line.len() < 2 {
+            let allowed = "a line with at least two different points";
+            return Err(PlanError::value(&self.field("geometry"), "a point".to_owned(), allowed));
+        }
         let heading = |i: usize| {
             let pair = if i + 1 < line.len() { [i, i + 1] } else { [i.saturating_sub(1), i] };
             let along = line[pair[1]] - line[pair[0]];

@@ -284,7 +284,7 @@ pub enum Cycles {
 }
 
 pub(super) const RULES: &[&str] = &[
-    "`open_areas` is true, where `profile` is guaranteed",
+    "`open_areas` is true, where `profile` is guaranteed or calibrated",
     "`spacing_h` is under the `width`, `spacing_v` under the `height`",
     "`doorway` is at most the `cell_size` less two times `wall_thickness`",
     "`robot_radius` is at most half the `doorway` less 0.05 m; where `profile` is calibrated and draws the \

@@ -369,6 +369,7 @@ pub(super) const RULES: &[&str] = &[
     "`prefabs` holds 1 to 4096 segments, where `segment_count` is 0",
     "`alpha` is a number, or has one for each segment of `prefabs`, or of `segment_count`",
     "`theta_min` is at most `theta_max`",
+    "the start, `start_x` and `start_y`, is within the `area`, where that is not 0",
     "`end_x` and `end_y` are both numbers or both none, and none where `closed` is true",
     "`length` has room for the least lengths of all segments, which follow from `min_segment_length`, \
      `theta_min`, `speed`, `friction`, `min_radius` and `width`, where `lengths` is reserve",

@@ -42,7 +42,8 @@ settings! {
         body: Body = Body::Disc => choice;
         /// How people react to a robot.
         reaction: Reactions = Reactions::Regular => choice;
-        /// Mean speed of walking; it is normally distributed with a deviation of a fifth.
+        /// Speed of walking; that of each person is normally distributed around it with a deviation of a fifth, cut to
+        /// between half of it and one and a half, and to 3 m/s.
         walking_speed: f64 = 1.34 => number("m/s", 0.1..=3.0);
         /// Mean of the exponentially distributed time that a person waits between two walks.
         waiting: f64 = 20.0 => number("s", 0.5..=1e6);
