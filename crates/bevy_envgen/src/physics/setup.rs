@@ -4,7 +4,8 @@ use std::fmt::Display;
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{
-    NoUserData, RapierConfiguration, RapierContextInitialization, RapierPhysicsPlugin, TimestepMode,
+    CollisionEvent, ContactForceEvent, MassModifiedMessage, NoUserData, RapierConfiguration,
+    RapierContextInitialization, RapierPhysicsPlugin, TimestepMode,
 };
 use bevy_rapier2d::rapier::dynamics::IntegrationParameters;
 use envgen::SpecError;
@@ -75,6 +76,10 @@ impl Plugin for TopDownPhysicsPlugin {
         let integration_parameters = IntegrationParameters { dt, ..default() };
         app.insert_resource(Time::<Fixed>::from_hz(self.steps_per_second))
             .insert_resource(TimestepMode::Fixed { dt, substeps: self.substeps })
+            // Rapier itself does not let Bevy clear its messages.
+            .add_message::<CollisionEvent>()
+            .add_message::<ContactForceEvent>()
+            .add_message::<MassModifiedMessage>()
             .add_plugins(
                 RapierPhysicsPlugin::<HeightHooks<'static, 'static>>::default()
                     .with_custom_initialization(

@@ -385,3 +385,32 @@ fn parts_that_rise_let_pass_what_is_lower() {
     step(&mut app, 256);
     assert!(app.world().get::<Transform>(body).unwrap().translation.x > 6.5);
 }
+
+/// Whether a message of rapier's is forgotten after some frames.
+fn is_cleared<M: Message>(app: &mut App, message: M) -> bool {
+    app.world_mut().write_message(message);
+    assert!(!app.world().resource::<Messages<M>>().is_empty());
+    step(app, 4);
+    app.world().resource::<Messages<M>>().is_empty()
+}
+
+#[test]
+fn rapiers_messages_are_cleared() {
+    use bevy_envgen::bevy_rapier2d::rapier::geometry::CollisionEventFlags;
+    let mut app = test_app();
+    let body = (RigidBody::Dynamic, Collider::ball(1.0), Transform::default());
+    let body = app.world_mut().spawn(body).id();
+    step(&mut app, 4);
+    let contact = ContactForceEvent {
+        collider1: body,
+        collider2: body,
+        total_force: Vec2::ZERO,
+        total_force_magnitude: 0.0,
+        max_force_direction: Vec2::ZERO,
+        max_force_magnitude: 0.0,
+    };
+    assert!(is_cleared(&mut app, contact));
+    assert!(is_cleared(&mut app, MassModifiedMessage(body)));
+    let flags = CollisionEventFlags::empty();
+    assert!(is_cleared(&mut app, CollisionEvent::Stopped(body, body, flags)));
+}
