@@ -4,7 +4,7 @@ use std::fmt::Display;
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{
-    CollisionEvent, ContactForceEvent, MassModifiedMessage, NoUserData, RapierConfiguration,
+    CollisionEvent, ContactForceEvent, MassModifiedMessage, RapierConfiguration,
     RapierContextInitialization, RapierPhysicsPlugin, TimestepMode,
 };
 use bevy_rapier2d::rapier::dynamics::IntegrationParameters;
@@ -49,6 +49,13 @@ impl TopDownPhysicsPlugin {
     }
 }
 
+/// Whether rapier's plugin is added, with any hooks: by the resources that it inserts, either of which an app may have.
+fn has_rapier(app: &App) -> bool {
+    let world = app.world();
+    world.contains_resource::<RapierContextInitialization>()
+        && world.contains_resource::<Messages<MassModifiedMessage>>()
+}
+
 /// Panics because of an argument that is out of range.
 fn refuse(argument: &str, value: impl Display, allowed: &str) -> ! {
     panic!("TopDownPhysicsPlugin: {}", SpecError::new(argument, value, allowed));
@@ -62,9 +69,7 @@ impl Default for TopDownPhysicsPlugin {
 
 impl Plugin for TopDownPhysicsPlugin {
     fn build(&self, app: &mut App) {
-        if app.is_plugin_added::<RapierPhysicsPlugin<NoUserData>>()
-            || app.is_plugin_added::<RapierPhysicsPlugin<HeightHooks<'static, 'static>>>()
-        {
+        if has_rapier(app) {
             log::warn!(
                 "`RapierPhysicsPlugin` is already added: `TopDownPhysicsPlugin` does nothing"
             );

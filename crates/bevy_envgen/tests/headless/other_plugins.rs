@@ -1,9 +1,10 @@
 //! The plugins beside others, and without them.
 
 use bevy::ecs::schedule::ScheduleLabel;
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_envgen::asset::EnvgenAssetPlugin;
-use bevy_envgen::bevy_rapier2d::plugin::{NoUserData, RapierPhysicsPlugin};
+use bevy_envgen::bevy_rapier2d::prelude::{BevyPhysicsHooks, NoUserData, RapierPhysicsPlugin};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{
     in_rapier, refuse_ambiguities, spawn_ready, step, test_app, wait_until_ready,
@@ -78,17 +79,32 @@ fn each_plugin_works_without_its_neighbours() {
     assert!(walls(&mut app) > 0);
 }
 
+/// Hooks that an app might have.
+#[derive(SystemParam)]
+struct OwnHooks;
+
+impl BevyPhysicsHooks for OwnHooks {}
+
 #[test]
 fn rapier_may_be_there_already_and_may_run_elsewhere() {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, TransformPlugin));
-    app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
-    app.add_plugins((TopDownPhysicsPlugin::default(), EnvgenPlugins::default()));
-    app.world_mut().spawn(hallway());
-    app.finish();
-    app.cleanup();
-    step(&mut app, 5);
-    assert!(in_rapier(&mut app).0 > 10);
+    let without_hooks = |app: &mut App| {
+        app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
+    };
+    let with_hooks = |app: &mut App| {
+        app.add_plugins(RapierPhysicsPlugin::<OwnHooks>::default());
+    };
+    let others: [&dyn Fn(&mut App); 2] = [&without_hooks, &with_hooks];
+    for add in others {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, TransformPlugin));
+        add(&mut app);
+        app.add_plugins((TopDownPhysicsPlugin::default(), EnvgenPlugins::default()));
+        app.world_mut().spawn(hallway());
+        app.finish();
+        app.cleanup();
+        step(&mut app, 5);
+        assert!(in_rapier(&mut app).0 > 10);
+    }
 }
 
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
