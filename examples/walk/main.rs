@@ -21,6 +21,7 @@ mod window;
 
 use std::error::Error;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use bevy::prelude::*;
 use bevy_envgen::physics::TopDownPhysicsPlugin;
@@ -61,8 +62,11 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         EnvgenVisuals3dPlugin::new(settings),
     ));
     let is_large = world.part_count() > MANY_PARTS;
-    let walker = app.world_mut().spawn(walker::body(start)).id();
-    let environment = Environment::prebuilt(world).with_pace(GenerationMode::Blocking);
+    let world = Arc::new(world);
+    let environment = Environment::prebuilt(Arc::clone(&world))
+        .with_pace(GenerationMode::Blocking)
+        .with_origin_near(&world);
+    let walker = app.world_mut().spawn(walker::body(start, environment.origin)).id();
     let mut root = app.world_mut().spawn(environment);
     if is_large {
         root.insert(StreamAround::new(walker, SIGHT));

@@ -15,6 +15,7 @@ use bevy_envgen::prelude::ScenarioAgent;
 use bevy_envgen::visuals3d::Figure;
 use envgen::World;
 use envgen::geometry::Pose;
+use envgen::glam::DVec2;
 use envgen::placement::pose_of_most_clearance;
 
 use crate::samples::samples;
@@ -60,13 +61,14 @@ pub(crate) fn start(world: &World) -> Result<Pose, Box<dyn Error>> {
     Ok(pose_of_most_clearance(world)?.ok_or("the world has no free space to start in")?)
 }
 
-/// The body at a pose.
-pub(crate) fn body(start: Pose) -> impl Bundle {
+/// The body at a pose in a world, of which `origin` is at zero.
+pub(crate) fn body(start: Pose, origin: DVec2) -> impl Bundle {
     let heading = start.heading as f32;
+    let place = (start.position - origin).as_vec2().extend(0.0);
     (
         Walker { heading, pitch: 0.0, is_first_person: true },
         Figure,
-        Transform::from_translation(start.position.as_vec2().extend(0.0)),
+        Transform::from_translation(place),
         Visibility::Hidden,
         RigidBody::Dynamic,
         LockedAxes::ROTATION_LOCKED,
