@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
+#[cfg(feature = "serialize")]
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use mapping_trial::backend::Command;
 use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 
@@ -151,6 +153,8 @@ impl MappingTrial {
 #[component(clone_behavior = Ignore)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
+#[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 pub struct ManualControl {
     /// One command per robot, in the order of the trial.
     pub commands: Vec<Command>,

@@ -399,6 +399,20 @@ fn parts_of_ones_own_drive_robots_in_rapier() {
     assert!(again.autonomy().scan(0).ranges.iter().any(|range| range.is_finite()));
 }
 
+/// Saves a scene of an environment with a trial that a person drives.
+#[cfg(feature = "serialize")]
+fn save_scene(app: &App, root: Entity) {
+    use bevy::world_serialization::DynamicWorldBuilder;
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    assert!(app.world().entity(root).contains::<ManualControl>());
+    let scene = DynamicWorldBuilder::from_world(app.world(), &registry)
+        .deny_component::<Children>()
+        .extract_entities([root].into_iter())
+        .build();
+    let text = scene.serialize(&registry).unwrap();
+    assert!(text.contains("ManualControl"), "{text}");
+}
+
 #[test]
 fn scenes_leave_trials_and_sensors_out() {
     use bevy::ecs::entity::EntityHashMap;
@@ -424,6 +438,8 @@ fn scenes_leave_trials_and_sensors_out() {
             .extract_entities([root, robot].into_iter())
             .build()
     };
+    #[cfg(feature = "serialize")]
+    save_scene(&app, root);
     let mut entities = EntityHashMap::default();
     scene.write_to_world(app.world_mut(), &mut entities).unwrap();
     let [root, robot] = [entities[&root], entities[&robot]];
