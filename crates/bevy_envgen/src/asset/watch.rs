@@ -1,9 +1,9 @@
 //! Rebuilding environments when the files of their specs change.
 
-use bevy::asset::{AssetLoadFailedEvent, LoadState};
+use bevy::asset::{AssetLoadError, AssetLoadFailedEvent, AssetPath, LoadState};
 use bevy::prelude::*;
 
-use super::file::{RoomAsset, RoomLoader, WorldAsset, WorldLoader};
+use super::file::{RoomAsset, RoomLoader, WorldAsset, WorldLoadError, WorldLoader};
 use crate::environment::{Environment, EnvironmentError, RebuildEnvironment, WorldSource};
 use crate::generate::request_worlds;
 use crate::job::GenerationJob;
@@ -23,9 +23,8 @@ impl Plugin for EnvgenAssetPlugin {
         let schedule = EnvgenSchedules::of(app).main;
         app.add_systems(
             schedule,
-            watch_assets
+            (watch_assets.before(request_worlds), watch_rooms)
                 .in_set(EnvgenSystems::Request)
-                .before(request_worlds)
                 .run_if(resource_exists::<Assets<WorldAsset>>),
         );
     }
@@ -95,5 +94,58 @@ fn watch_assets(
         if changed {
             commands.trigger(RebuildEnvironment { entity });
         }
+    }
+}
+
+/// A spec that could not be loaded because of a room.
+struct Unloaded {
+    spec: AssetId<WorldAsset>,
+    path: AssetPath<'static>,
+    /// Held, so that Bevy loads the room when its file changes or appears.
+    room: Handle<RoomAsset>,
+}
+
+/// Loads specs again whose rooms could not be loaded before. Bevy itself notes which rooms a spec depends on only once it
+/// is loaded.
+fn watch_rooms(
+    mut failures: MessageReader<AssetLoadFailedEvent<WorldAsset>>,
+    mut loads: MessageReader<AssetEvent<WorldAsset>>,
+    mut changes: MessageReader<AssetEvent<RoomAsset>>,
+    server: Res<AssetServer>,
+    mut unloaded: Local<Vec<Unloaded>>,
+) {
+    // In the order of the frames: what fails later fails again.
+    let loaded: Vec<_> = loads.read().filter_map(touched).collect();
+    let changed: Vec<_> = changes.read().filter_map(touched).collect();
+    unloaded.retain(|waiting| {
+        let repaired = changed.contains(&waiting.room.id());
+        if repaired {
+            server.reload(&waiting.path);
+        }
+        !repaired && !loaded.contains(&waiting.spec) && server.is_managed(waiting.spec)
+    });
+    for failure in failures.read() {
+        unloaded.retain(|waiting| waiting.spec != failure.id);
+        if let Some(room) = missing_room(&failure.path, &failure.error) {
+            let room = server.load(room);
+            unloaded.push(Unloaded { spec: failure.id, path: failure.path.clone(), room });
+        }
+    }
+}
+
+/// The asset that an event says is new or changed.
+fn touched<A: Asset>(event: &AssetEvent<A>) -> Option<AssetId<A>> {
+    match event {
+        AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id),
+        _ => None,
+    }
+}
+
+/// The room because of which a spec could not be loaded.
+fn missing_room(spec: &AssetPath<'_>, error: &AssetLoadError) -> Option<AssetPath<'static>> {
+    let AssetLoadError::AssetLoaderError(error) = error else { return None };
+    match error.error().downcast_ref()? {
+        WorldLoadError::RoomFile { path, .. } => spec.resolve_embed_str(path).ok(),
+        _ => None,
     }
 }

@@ -138,6 +138,31 @@ fn a_spec_depends_on_the_rooms_that_it_names() {
 }
 
 #[test]
+fn a_spec_is_loaded_once_its_rooms_are_there() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("rooms")).unwrap();
+    let room = |name: &str| folder.path().join(format!("rooms/{name}.room.ron"));
+    let text = "Indoor(rooms: [\"rooms/cell.room.ron\", \"rooms/den.room.ron\"])";
+    fs::write(folder.path().join("map.envgen.ron"), text).unwrap();
+    // One room is broken, and the other one is missing.
+    fs::write(room("cell"), CELL.replace("width: 2", "width: 0")).unwrap();
+    let mut app = test_app_in(folder.path());
+    record_failures(&mut app);
+    let asked = environment(&app, "map.envgen.ron", 3);
+    let root = app.world_mut().spawn(asked).id();
+    let failures = |app: &mut App| app.world().resource::<Failures>().0.len();
+    wait_for(&mut app, "the first failure", |app| failures(app) == 1);
+    fs::write(room("cell"), CELL).unwrap();
+    wait_for(&mut app, "the second failure", |app| failures(app) > 1);
+    let error = app.world().resource::<Failures>().0[1].to_string();
+    assert!(error.contains("den.room.ron"), "{error}");
+    fs::write(room("den"), CELL.replace("cell", "den")).unwrap();
+    let is_ready = |app: &mut App| app.world().get(root) == Some(&EnvironmentState::Ready);
+    wait_for(&mut app, "the world", is_ready);
+    assert!(truth(&app, root).rooms.iter().all(|room| ["cell", "den"].contains(&&*room.name)));
+}
+
+#[test]
 fn rooms_are_assets_of_their_own() {
     let mut app = test_app_in(&assets());
     let server = app.world().resource::<AssetServer>();
