@@ -101,7 +101,8 @@ impl Plugin for RobotPlugin {
             .add_systems(
                 self.schedule,
                 (
-                    (ground::index, drive::drive).chain().in_set(RobotSystems::Drive),
+                    (model::weigh, (ground::index, drive::drive).chain())
+                        .in_set(RobotSystems::Drive),
                     sense::note_places
                         .after(PhysicsSet::SyncBackend)
                         .before(PhysicsSet::StepSimulation),

@@ -20,7 +20,7 @@ use mapping_trial::robot::{Footprint, Robot};
 ///
 /// Inserting it adds a dynamic body, a collider of the model's footprint, a [`Chassis`] of the
 /// model, its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Those that
-/// the entity already has are kept, and colliders of its children belong to the robot too. Models of other robots can be
+/// the entity already has are kept, as is another [`Chassis`] that is put on it later, and colliders of its children belong to the robot too. Models of other robots can be
 /// read from RON: see [`Robot::from_ron`]. An invalid model gets no body and logs a warning; in place of another model it
 /// removes what that one added.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
@@ -247,8 +247,11 @@ impl WheelOdometry {
 #[derive(Component, Clone, Copy, Default)]
 pub(super) struct Fitted {
     body: bool,
-    chassis: bool,
+    /// As it was added: with another one, the chassis is the entity's own.
+    chassis: Option<Chassis>,
     collider: bool,
+    /// The mass beside the entity's own colliders.
+    mass: bool,
     agent: bool,
     height: bool,
 }
@@ -259,6 +262,7 @@ type Model = (
     Has<RigidBody>,
     Option<&'static Chassis>,
     Has<Collider>,
+    Has<AdditionalMassProperties>,
     Has<ScenarioAgent>,
     Has<HeightRange>,
     Option<&'static Fitted>,
@@ -266,13 +270,13 @@ type Model = (
 
 /// Adds a body, a collider, a chassis and a full battery to a robot, and lets people and doors notice it.
 pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut commands: Commands) {
-    let Ok((model, has_body, chassis, collides, is_agent, is_high, fitted)) =
+    let Ok((model, has_body, chassis, collides, is_heavy, is_agent, is_high, fitted)) =
         models.get(fit.entity)
     else {
         return;
     };
     let fitted = fitted.copied().unwrap_or_default();
-    let own_chassis = chassis.filter(|_| !fitted.chassis);
+    let own_chassis = chassis.copied().filter(|chassis| fitted.chassis != Some(*chassis));
     let mut robot = commands.entity(fit.entity);
     if let Err(error) = model.validate() {
         log::warn!("robot {}: {error}", fit.entity);
@@ -286,8 +290,9 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
         Friction::coefficient(0.3),
         Sleeping::disabled(),
     ));
-    let chassis = own_chassis.copied().unwrap_or(model.chassis.into());
+    let chassis = own_chassis.unwrap_or(model.chassis.into());
     let own_collider = collides && !fitted.collider;
+    let own_mass = is_heavy && !fitted.mass;
     let own_agent = is_agent && !fitted.agent;
     if !own_agent {
         robot.insert(ScenarioAgent::new(model.circumscribed_radius));
@@ -298,14 +303,17 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     }
     let fitted = Fitted {
         body: !has_body || fitted.body,
-        chassis: own_chassis.is_none(),
+        chassis: own_chassis.is_none().then_some(chassis),
         collider: !own_collider,
+        mass: own_collider && !own_mass,
         agent: !own_agent,
         height: !own_height,
     };
     robot.insert((chassis, fitted));
     if own_collider {
-        robot.insert_if_new(AdditionalMassProperties::Mass(chassis.mass));
+        if !own_mass {
+            robot.insert(AdditionalMassProperties::Mass(chassis.mass));
+        }
         return;
     }
     let collider = match model.footprint {
@@ -315,16 +323,39 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     robot.insert((collider, ColliderMassProperties::Mass(chassis.mass)));
 }
 
+/// A robot, and its masses in rapier.
+type Weighed = (
+    &'static Chassis,
+    &'static Fitted,
+    Option<&'static mut ColliderMassProperties>,
+    Option<&'static mut AdditionalMassProperties>,
+);
+
+/// Gives robots the masses of chassis that were changed or put on them.
+pub(super) fn weigh(mut robots: Query<Weighed, Changed<Chassis>>) {
+    for (chassis, fitted, collider, additional) in &mut robots {
+        if let Some(mut mass) = collider.filter(|_| fitted.collider) {
+            mass.set_if_neq(ColliderMassProperties::Mass(chassis.mass));
+        }
+        if let Some(mut mass) = additional.filter(|_| fitted.mass) {
+            mass.set_if_neq(AdditionalMassProperties::Mass(chassis.mass));
+        }
+    }
+}
+
 /// Removes what was added because of the last model.
 fn strip(robot: &mut EntityCommands<'_>, fitted: Fitted) {
     if fitted.body {
         robot.remove::<(RigidBody, Velocity)>();
     }
-    if fitted.chassis {
+    if fitted.chassis.is_some() {
         robot.remove::<Chassis>();
     }
     if fitted.collider {
         robot.remove::<(Collider, ColliderMassProperties)>();
+    }
+    if fitted.mass {
+        robot.remove::<AdditionalMassProperties>();
     }
     if fitted.agent {
         robot.remove::<ScenarioAgent>();

@@ -7,7 +7,9 @@ use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, spawn_ready, step, test_app_with};
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::robot::RobotCondition;
-use bevy_rapier2d::prelude::{Collider, ColliderMassProperties, RigidBody, Sensor};
+use bevy_rapier2d::prelude::{
+    Collider, ColliderMassProperties, RapierRigidBodySet, RigidBody, Sensor,
+};
 use envgen::geometry::{Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::world::{Surface as Ground, SurfaceKind, Wall as Side, WallKind};
@@ -367,6 +369,40 @@ fn weight_and_wheels_are_the_models() {
     let robot = app.world_mut().spawn((model, own, Transform::from_xyz(2.0, 2.0, 0.0))).id();
     step(&mut app, 1);
     assert_eq!(app.world().get::<Chassis>(robot), Some(&own));
+}
+
+/// The mass of a body in rapier, in kg.
+fn mass(app: &mut App, robot: Entity) -> f32 {
+    let mut sets = app.world_mut().query::<&RapierRigidBodySet>();
+    let bodies = sets.single(app.world()).unwrap();
+    bodies.bodies[bodies.entity2body()[&robot]].mass()
+}
+
+#[test]
+fn a_chassis_that_is_changed_or_put_on_later_weighs_what_it_says() {
+    let mut app = app(room(10.0, 10.0));
+    let light = Chassis { mass: 5.0, ..Chassis::default() };
+    let robot = robot(&mut app, 5.0, 5.0);
+    let at = Transform::from_xyz(2.0, 2.0, 0.0);
+    // Almost without weight.
+    let collider = (Collider::ball(0.3), ColliderMassProperties::Density(0.001));
+    let own = app.world_mut().spawn((RobotModel::default(), collider, at)).id();
+    step(&mut app, 2);
+    for robot in [robot, own] {
+        let found = mass(&mut app, robot);
+        assert!((found - Chassis::default().mass).abs() < 0.01, "{found} kg");
+        for chassis in [light, Chassis { mass: 50.0, ..light }] {
+            app.world_mut().entity_mut(robot).insert(chassis);
+            step(&mut app, 2);
+            let found = mass(&mut app, robot);
+            assert!((found - chassis.mass).abs() < 0.01, "{found} kg");
+            // Another model keeps it.
+            app.world_mut().entity_mut(robot).insert(RobotModel::default());
+            step(&mut app, 2);
+            assert_eq!(app.world().get::<Chassis>(robot), Some(&chassis));
+            assert!((mass(&mut app, robot) - chassis.mass).abs() < 0.01);
+        }
+    }
 }
 
 #[test]
