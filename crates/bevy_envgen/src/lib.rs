@@ -284,7 +284,7 @@ impl EnvgenPlugins {
         self
     }
 
-    /// Uses `colliders` instead of the default settings.
+    /// Uses `colliders`, whatever the app has.
     #[cfg(feature = "physics")]
     pub fn with_colliders(mut self, colliders: physics::ColliderSettings) -> Self {
         self.physics = self.physics.with_colliders(colliders);

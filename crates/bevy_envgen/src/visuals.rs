@@ -29,23 +29,26 @@ const ROAD_TOLERANCE: f64 = 0.01;
 /// scenarios have meshes as children.
 ///
 /// Needs Bevy's plugins for meshes and `ColorMaterial`s; without them it draws nothing. No other
-/// plugin depends on it.
+/// plugin depends on it. By default the colours are those that the app has, if it has any.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenVisualsPlugin {
-    palette: WorldPalette,
+    palette: Option<WorldPalette>,
 }
 
 impl EnvgenVisualsPlugin {
-    /// Uses `palette` instead of the default colours.
+    /// Uses `palette`, whatever the app has.
     pub fn new(palette: WorldPalette) -> Self {
-        EnvgenVisualsPlugin { palette }
+        EnvgenVisualsPlugin { palette: Some(palette) }
     }
 }
 
 impl Plugin for EnvgenVisualsPlugin {
     fn build(&self, app: &mut App) {
+        match &self.palette {
+            Some(palette) => app.insert_resource(palette.clone()),
+            None => app.init_resource::<WorldPalette>(),
+        };
         app.register_type::<WorldPalette>()
-            .insert_resource(self.palette.clone())
             .init_resource::<GroupMaterials>()
             .add_observer(draw)
             .add_observer(moving::draw_person)

@@ -39,25 +39,28 @@ use crate::systems::{EnvgenSchedules, EnvgenSystems};
 /// Adds colliders to the parts of worlds, and bodies to the people and leaves of scenarios.
 ///
 /// Rapier itself is not added: see [`TopDownPhysicsPlugin`]. Without it the colliders have no
-/// effect.
+/// effect. By default the settings are those that the app has, if it has any.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvgenPhysicsPlugin {
-    colliders: ColliderSettings,
+    colliders: Option<ColliderSettings>,
 }
 
 impl EnvgenPhysicsPlugin {
-    /// Uses `colliders` instead of the default settings.
+    /// Uses `colliders`, whatever the app has.
     pub fn with_colliders(self, colliders: ColliderSettings) -> Self {
-        EnvgenPhysicsPlugin { colliders }
+        EnvgenPhysicsPlugin { colliders: Some(colliders) }
     }
 }
 
 impl Plugin for EnvgenPhysicsPlugin {
     fn build(&self, app: &mut App) {
         let main = EnvgenSchedules::of(app).main;
+        match self.colliders {
+            Some(colliders) => app.insert_resource(colliders),
+            None => app.init_resource::<ColliderSettings>(),
+        };
         app.register_type::<ColliderSettings>()
             .register_type::<EnvironmentColliders>()
-            .insert_resource(self.colliders)
             .add_message::<PersonCollision>()
             .add_observer(collide)
             .add_observer(collide_again)

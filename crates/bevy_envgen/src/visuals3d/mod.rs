@@ -49,18 +49,18 @@ use crate::visuals::require_visibility;
 /// Draws worlds in three dimensions, for [`Camera3d`], with or without the plugin for two. Each tile has at most one
 /// mesh for each [`Finish`].
 ///
-/// Adds the resources [`Visuals3dSettings`] and, unless the app has one, [`Palette3d`], and sets Bevy's
+/// Adds the resources [`Visuals3dSettings`] and [`Palette3d`], unless the app has them, and sets Bevy's
 /// `GlobalAmbientLight` almost to none, since rooms have lamps and the open has a sky. Needs Bevy's plugins for meshes,
 /// light and `StandardMaterial`s, which are to be added before; without them it draws nothing.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenVisuals3dPlugin {
-    settings: Visuals3dSettings,
+    settings: Option<Visuals3dSettings>,
 }
 
 impl EnvgenVisuals3dPlugin {
-    /// Draws as `settings` say.
+    /// Draws as `settings` say, whatever the app has.
     pub fn new(settings: Visuals3dSettings) -> Self {
-        EnvgenVisuals3dPlugin { settings }
+        EnvgenVisuals3dPlugin { settings: Some(settings) }
     }
 }
 
@@ -69,13 +69,16 @@ const AMBIENT: f32 = 4.0;
 
 impl Plugin for EnvgenVisuals3dPlugin {
     fn build(&self, app: &mut App) {
+        match self.settings {
+            Some(settings) => app.insert_resource(settings),
+            None => app.init_resource::<Visuals3dSettings>(),
+        };
         app.register_type::<Visuals3dSettings>()
             .register_type::<Palette3d>()
             .register_type::<Finish>()
             .register_type::<TileMesh>()
             .register_type::<Sky>()
             .register_type::<Sun>()
-            .insert_resource(self.settings)
             .init_resource::<Palette3d>()
             .insert_resource(GlobalAmbientLight { brightness: AMBIENT, ..default() })
             .init_resource::<finish_material::Finishes>()

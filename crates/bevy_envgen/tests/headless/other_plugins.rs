@@ -107,6 +107,22 @@ fn rapier_may_be_there_already_and_may_run_elsewhere() {
     }
 }
 
+#[test]
+fn settings_that_an_app_has_are_kept_unless_a_plugin_has_its_own() {
+    let (apps, plugins) = (0.2, 0.9);
+    let settings = |friction| ColliderSettings { friction, ..default() };
+    let friction = |own: EnvgenPlugins| {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, TransformPlugin)).insert_resource(settings(apps));
+        app.add_plugins(own);
+        app.world().resource::<ColliderSettings>().friction
+    };
+    assert_eq!(friction(EnvgenPlugins::default()), apps);
+    assert_eq!(friction(EnvgenPlugins::default().with_colliders(settings(plugins))), plugins);
+    let usual = ColliderSettings::default();
+    assert_eq!(friction(EnvgenPlugins::default().with_colliders(usual)), usual.friction);
+}
+
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 struct Build;
 

@@ -115,16 +115,17 @@ pub enum TrialViewSystems {
 /// Draws mapping trials. Add it after [`EnvgenPlugins`](bevy_envgen::EnvgenPlugins).
 ///
 /// Adds the resource [`TrialPalette`] and the systems of [`TrialViewSystems`]. Needs Bevy's plugins
-/// for images, meshes, sprites and `ColorMaterial`s; without them it draws nothing.
+/// for images, meshes, sprites and `ColorMaterial`s; without them it draws nothing. By default the colours are those that
+/// the app has, if it has any.
 #[derive(Clone, Debug, Default)]
 pub struct TrialViewPlugin {
-    palette: TrialPalette,
+    palette: Option<TrialPalette>,
 }
 
 impl TrialViewPlugin {
-    /// Uses `palette` instead of the default colours.
+    /// Uses `palette`, whatever the app has.
     pub fn new(palette: TrialPalette) -> Self {
-        TrialViewPlugin { palette }
+        TrialViewPlugin { palette: Some(palette) }
     }
 }
 
@@ -137,7 +138,6 @@ impl Plugin for TrialViewPlugin {
             .register_type::<FollowRobot>()
             .register_type::<ShowWholeMap>()
             .register_type::<DrawingRoot>()
-            .insert_resource(self.palette.clone())
             .add_observer(show_world)
             .configure_sets(
                 PostUpdate,
@@ -155,6 +155,10 @@ impl Plugin for TrialViewPlugin {
                     (camera::follow, camera::show_maps).chain().in_set(TrialViewSystems::Look),
                 ),
             );
+        match &self.palette {
+            Some(palette) => app.insert_resource(palette.clone()),
+            None => app.init_resource::<TrialPalette>(),
+        };
         require_visibility(app);
         app.register_type::<MappingTrial>().watch_trials::<MappingTrial>();
     }
