@@ -456,6 +456,8 @@ impl TileStreamer<'_> {
         let gone = entities.is_empty();
         if gone {
             spawned_tiles.tiles.remove(&key);
+            // Without trees, it is gone before a step is taken.
+            streaming.complete.remove(&key);
         }
         gone
     }
@@ -502,5 +504,39 @@ fn draw(
             drawn[place].1 = Drawing::Trees(Arc::clone(&trees));
             Some(trees)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::forest::ForestSpec;
+
+    use super::*;
+    use crate::EnvgenCorePlugin;
+
+    #[test]
+    fn tiles_without_trees_are_forgotten() {
+        let mut app = App::new();
+        app.add_plugins(EnvgenCorePlugin::default());
+        // One step in a frame: tiles are left behind while nothing of the budget remains.
+        app.insert_resource(StreamingBudget::Parts(0));
+        let anchor = app.world_mut().spawn(Transform::default()).id();
+        let forest = ForestSpec { intensity: 0.001, radius: 0.3, ..default() };
+        let environment = Environment::new(forest, 7).endless(10.0);
+        let environment = environment.with_pace(GenerationMode::Blocking);
+        let around = StreamAround::new(anchor, 30.0);
+        let root = app.world_mut().spawn((environment, around, Transform::default())).id();
+        for frame in 0..600 {
+            // It jumps once its window is complete.
+            let at = Vec3::X * (frame / 200) as f32 * 100.0;
+            app.world_mut().get_mut::<Transform>(anchor).unwrap().translation = at;
+            app.update();
+        }
+        let root = app.world().entity(root);
+        let (streaming, spawned) =
+            (root.get::<Streaming>().unwrap(), root.get::<SpawnedTiles>().unwrap());
+        assert!(spawned.tiles.values().any(|tile| tile.is_empty()));
+        let complete: Vec<_> = streaming.complete.iter().collect();
+        assert_eq!(complete, spawned.tiles.keys().collect::<Vec<_>>());
     }
 }
