@@ -67,7 +67,7 @@ type Renewed = Or<(Changed<GroundTruth>, Changed<EndlessTruth>, Changed<SpawnedO
 pub(super) fn set_stage(
     world: &mut World,
     mut built_with: Local<Option<Visuals3dSettings>>,
-    environments: &mut QueryState<Grown>,
+    environments: &mut QueryState<Grown, With<Environment>>,
     renewed: &mut QueryState<Entity, Renewed>,
     stages: &mut QueryState<(Entity, &ChildOf), With<Stage>>,
 ) {
