@@ -91,6 +91,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .add_observer(moving::draw_person)
             .add_observer(moving::draw_figure)
             .add_observer(moving::draw_leaf)
+            .add_observer(sky::remove_skybox)
             .add_observer(smoke::draw_smoke);
         smoke::build(app);
         let main = EnvgenSchedules::of(app).main;
@@ -102,7 +103,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
                 stage::share_sun,
                 tile::show_ceilings,
                 moving::stretch_leaves,
-                sky::add_skies,
+                (sky::take_skies, sky::add_skies).chain(),
                 smoke::thicken_smoke,
                 smoke::measure_depths,
             )

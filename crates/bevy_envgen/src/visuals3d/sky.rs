@@ -81,13 +81,33 @@ impl Sky {
     }
 }
 
+/// On a camera that got its sky because of the settings.
+#[derive(Component, Clone, Copy)]
+pub(super) struct GivenSky;
+
+/// The image that a sky is drawn with.
+#[derive(Component, Clone)]
+pub(super) struct DrawnSky(Handle<Image>);
+
 /// A camera without a sky.
 type Bare = (With<Camera3d>, Without<Sky>, Without<Skybox>);
 
 /// A camera whose sky is new.
 type Renewed = (With<Camera3d>, Changed<Sky>);
 
-/// Gives cameras a sky, and draws those that changed.
+/// Takes the skies that cameras got once the settings say so.
+pub(super) fn take_skies(
+    settings: Res<Visuals3dSettings>,
+    given: Query<(Entity, &Sky), With<GivenSky>>,
+    mut commands: Commands,
+) {
+    // One that an app has changed is its own.
+    for (camera, _) in given.iter().filter(|(_, sky)| !settings.sky && **sky == Sky::default()) {
+        commands.entity(camera).try_remove::<(Sky, GivenSky)>();
+    }
+}
+
+/// Gives cameras a sky where the settings say so, and draws those that changed.
 pub(super) fn add_skies(
     settings: Res<Visuals3dSettings>,
     bare: Query<Entity, Bare>,
@@ -105,15 +125,29 @@ pub(super) fn add_skies(
     }
     if settings.sky {
         for camera in &bare {
-            commands.entity(camera).try_insert(Sky::default());
+            commands.entity(camera).try_insert((Sky::default(), GivenSky));
         }
     }
     for (camera, sky) in &changed {
+        let image = images.add(sky.image());
         let skybox = Skybox {
-            image: Some(images.add(sky.image())),
+            image: Some(image.clone()),
             brightness: INTENSITY * settings.brightness,
             ..default()
         };
-        commands.entity(camera).try_insert(skybox);
+        commands.entity(camera).try_insert((skybox, DrawnSky(image)));
+    }
+}
+
+/// Removes what draws a sky that is removed, unless the app has put its own there.
+pub(super) fn remove_skybox(
+    removed: On<Remove, Sky>,
+    cameras: Query<(&Skybox, &DrawnSky)>,
+    mut commands: Commands,
+) {
+    if let Ok((skybox, drawn)) = cameras.get(removed.entity)
+        && skybox.image.as_ref() == Some(&drawn.0)
+    {
+        commands.entity(removed.entity).try_remove::<(Skybox, DrawnSky)>();
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use bevy::light::IrradianceVolume;
+use bevy::light::{IrradianceVolume, Skybox};
 use bevy::mesh::{MeshPlugin, MeshTag};
 use bevy::prelude::*;
 use bevy_envgen::EnvgenPlugins;
@@ -11,7 +11,7 @@ use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth, wait_until_ready};
-use bevy_envgen::visuals3d::{Finish, Palette3d, Stage, Sun, TileMesh};
+use bevy_envgen::visuals3d::{Finish, Palette3d, Sky, Stage, Sun, TileMesh};
 
 use crate::{GenerateWorld, specs};
 
@@ -371,6 +371,38 @@ fn streamed_worlds_have_the_meshes_of_their_tiles() {
         let count = trees(&mut app);
         assert!(count > 20 && meshes(&mut app) == 2 * count, "{count}");
     }
+}
+
+#[test]
+fn the_sky_is_switched_on_and_off() {
+    let mut app = app();
+    let own = Sky { zenith: Color::BLACK, ..default() };
+    let skies = |app: &App, cameras: [Entity; 3]| {
+        cameras.map(|camera| {
+            let camera = app.world().entity(camera);
+            (camera.contains::<Sky>(), camera.contains::<Skybox>())
+        })
+    };
+    let camera = |app: &mut App| app.world_mut().spawn(Camera3d::default()).id();
+    let [bare, changed, others] = [(); 3].map(|()| camera(&mut app));
+    app.world_mut().entity_mut(others).insert(Sky::default());
+    let cameras = [bare, changed, others];
+    let all = [(true, true); 3];
+    step(&mut app, 2);
+    assert_eq!(skies(&app, cameras), all);
+    app.world_mut().entity_mut(changed).insert(own);
+    for _ in 0..2 {
+        app.world_mut().resource_mut::<Visuals3dSettings>().sky = false;
+        step(&mut app, 2);
+        assert_eq!(skies(&app, cameras), [(false, false), (true, true), (true, true)]);
+        app.world_mut().resource_mut::<Visuals3dSettings>().sky = true;
+        step(&mut app, 2);
+        assert_eq!(skies(&app, cameras), all);
+    }
+    // The box of an app is left alone.
+    app.world_mut().entity_mut(bare).insert(Skybox::default()).remove::<Sky>();
+    step(&mut app, 2);
+    assert_eq!(skies(&app, cameras)[0], (false, true));
 }
 
 #[test]
