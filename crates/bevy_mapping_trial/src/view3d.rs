@@ -2,7 +2,9 @@
 
 use std::f32::consts::FRAC_PI_2;
 
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
+use bevy::transform::TransformSystems;
 use bevy_envgen::visuals::require_visibility;
 use mapping_trial::robot::{Footprint, Robot};
 
@@ -39,7 +41,12 @@ pub struct RobotVisuals3dPlugin;
 
 impl Plugin for RobotVisuals3dPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<RobotPart>().add_observer(draw);
+        app.register_type::<RobotPart>().add_observer(draw).add_systems(
+            PostUpdate,
+            remove_clones
+                .before(TransformSystems::Propagate)
+                .before(VisibilitySystems::VisibilityPropagate),
+        );
         require_visibility(app);
     }
 }
@@ -54,6 +61,30 @@ pub enum RobotPart {
     Laser,
     /// A wheel.
     Wheel,
+}
+
+/// The meshes that draw a robot.
+#[derive(Component)]
+#[component(clone_behavior = Ignore)]
+struct DrawnParts(Vec<Entity>);
+
+/// Despawns the meshes that came out of a scene, or as clones, together with their robot, which has got its own.
+fn remove_clones(
+    added: Query<(Entity, &ChildOf), Added<RobotPart>>,
+    robots: Query<&DrawnParts>,
+    mut commands: Commands,
+) {
+    for (part, below) in &added {
+        if let Ok(drawn) = robots.get(below.parent())
+            && !drawn.0.contains(&part)
+        {
+            commands.entity(part).try_despawn();
+            // The children that a scene lists may have replaced them.
+            for &drawn in &drawn.0 {
+                commands.entity(drawn).try_insert(ChildOf(below.parent()));
+            }
+        }
+    }
 }
 
 /// Draws a robot, again when its model is replaced.
@@ -85,17 +116,14 @@ fn draw(
     };
     let (body, dark) = (paint(color), paint(Color::srgb_u8(0x20, 0x22, 0x26)));
     commands.entity(inserted.entity).insert_if_new(Visibility::default());
-    for (part, mesh, at) in bodies(model) {
+    let drawn = bodies(model).into_iter().map(|(part, mesh, at)| {
         let material = if part == RobotPart::Body { &body } else { &dark };
-        commands.spawn((
-            Name::new(format!("{part:?}")),
-            part,
-            Mesh3d(meshes.add(mesh)),
-            MeshMaterial3d(material.clone()),
-            at,
-            ChildOf(inserted.entity),
-        ));
-    }
+        let mesh = (Mesh3d(meshes.add(mesh)), MeshMaterial3d(material.clone()));
+        let name = Name::new(format!("{part:?}"));
+        commands.spawn((name, part, mesh, at, ChildOf(inserted.entity))).id()
+    });
+    let drawn = DrawnParts(drawn.collect());
+    commands.entity(inserted.entity).try_insert(drawn);
 }
 
 /// The bodies of a robot that is on the floor, with its centre at the origin and ahead along x.
@@ -147,6 +175,23 @@ mod tests {
             panic!("a mesh has positions");
         };
         corners.iter().map(|corner| at.transform_point(Vec3::from(*corner))).collect()
+    }
+
+    #[test]
+    fn a_clone_is_drawn_once() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default(), RobotVisuals3dPlugin));
+        app.init_asset::<Mesh>().init_asset::<StandardMaterial>();
+        let robot = app.world_mut().spawn(RobotModel::default()).id();
+        app.update();
+        let parts = app.world().get::<Children>(robot).unwrap().len();
+        let clone = app.world_mut().entity_mut(robot).clone_and_spawn_with_opt_out(|builder| {
+            builder.linked_cloning(true);
+        });
+        app.update();
+        for robot in [robot, clone] {
+            assert_eq!(app.world().get::<Children>(robot).unwrap().len(), parts);
+        }
     }
 
     #[test]

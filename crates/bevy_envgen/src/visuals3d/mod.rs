@@ -78,12 +78,14 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .register_type::<Finish>()
             .register_type::<TileMesh>()
             .register_type::<Sky>()
+            .register_type::<Stage>()
             .register_type::<Sun>()
             .init_resource::<Palette3d>()
             .insert_resource(GlobalAmbientLight { brightness: AMBIENT, ..default() })
             .init_resource::<finish_material::Finishes>()
             .init_resource::<trees::TreeMeshes>()
             .register_type::<Figure>()
+            .register_type::<moving::FigureBody>()
             .init_resource::<moving::FigureMesh>()
             .init_resource::<moving::SharedLeafMesh>()
             .add_observer(draw::draw)
@@ -103,6 +105,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
                 stage::share_sun,
                 tile::show_ceilings,
                 moving::stretch_leaves,
+                moving::remove_clones,
                 (sky::take_skies, sky::add_skies).chain(),
                 smoke::thicken_smoke,
                 smoke::measure_depths,

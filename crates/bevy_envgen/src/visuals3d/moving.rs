@@ -36,6 +36,16 @@ pub(super) struct FigureMesh(Option<([Color; 2], Handle<Mesh>)>);
 #[require(Transform, Visibility)]
 pub struct Figure;
 
+/// The mesh of a figure, as a child of it. Clones and scenes have it, so that what they hold of a drawing is found.
+#[derive(Component, Clone, Copy, Debug, Default, Reflect)]
+#[reflect(Component, Debug, Default, Clone)]
+pub(super) struct FigureBody;
+
+/// The child that draws a figure.
+#[derive(Component)]
+#[component(clone_behavior = Ignore)]
+pub(super) struct DrawnFigure(Entity);
+
 /// Gives people a figure.
 pub(super) fn draw_person(added: On<Add, Person>, mut commands: Commands) {
     commands.entity(added.entity).try_insert(Figure);
@@ -60,9 +70,33 @@ pub(super) fn draw_figure(added: On<Add, Figure>, mut commands: Commands) {
                 mesh
             }
         };
+        if let Some(&DrawnFigure(last)) = world.get(entity) {
+            world.commands().entity(last).try_despawn();
+        }
         let name = Name::new("figure");
-        world.spawn((name, Mesh3d(mesh), MeshMaterial3d(material), ChildOf(entity)));
+        let drawing = (name, FigureBody, Mesh3d(mesh), MeshMaterial3d(material), ChildOf(entity));
+        let body = world.spawn(drawing).id();
+        if let Ok(mut figure) = world.get_entity_mut(entity) {
+            figure.insert(DrawnFigure(body));
+        }
     });
+}
+
+/// Despawns the meshes that came out of a scene, or as clones, together with their figure, which has got one of its own.
+pub(super) fn remove_clones(
+    added: Query<(Entity, &ChildOf), Added<FigureBody>>,
+    figures: Query<&DrawnFigure>,
+    mut commands: Commands,
+) {
+    for (body, below) in &added {
+        if let Ok(drawn) = figures.get(below.parent())
+            && drawn.0 != body
+        {
+            commands.entity(body).try_despawn();
+            // The children that a scene lists may have replaced it.
+            commands.entity(drawn.0).try_insert(ChildOf(below.parent()));
+        }
+    }
 }
 
 /// A person 1.75 m high who looks along +x: legs, body, head and face.

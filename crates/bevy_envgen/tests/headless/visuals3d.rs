@@ -6,12 +6,13 @@ use std::sync::Arc;
 use bevy::light::{IrradianceVolume, Skybox};
 use bevy::mesh::{MeshPlugin, MeshTag};
 use bevy::prelude::*;
+use bevy::world_serialization::DynamicWorldBuilder;
 use bevy_envgen::EnvgenPlugins;
 use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth, wait_until_ready};
-use bevy_envgen::visuals3d::{Finish, Palette3d, Sky, Stage, Sun, TileMesh};
+use bevy_envgen::visuals3d::{Figure, Finish, Palette3d, Sky, Stage, Sun, TileMesh};
 
 use crate::{GenerateWorld, specs};
 
@@ -403,6 +404,63 @@ fn the_sky_is_switched_on_and_off() {
     app.world_mut().entity_mut(bare).insert(Skybox::default()).remove::<Sky>();
     step(&mut app, 2);
     assert_eq!(skies(&app, cameras)[0], (false, true));
+}
+
+#[test]
+fn clones_and_scenes_are_drawn_once() {
+    let mut app =
+        test_app_with((MeshPlugin, EnvgenCorePlugin::default(), EnvgenVisuals3dPlugin::default()));
+    app.init_asset::<StandardMaterial>().init_asset::<Image>();
+    app.register_type::<ChildOf>().register_type::<Children>();
+    let root = spawn_ready(&mut app, indoor(4)).unwrap();
+    let player = app.world_mut().spawn(Figure).id();
+    step(&mut app, 2);
+    let named = |app: &mut App, wanted: &str| {
+        let mut names = app.world_mut().query::<&Name>();
+        names.iter(app.world()).filter(|name| name.as_str() == wanted).count()
+    };
+    let counts = |app: &mut App| ["stage", "ground", "sun", "figure"].map(|name| named(app, name));
+    assert_eq!(counts(&mut app), [1; 4]);
+    for entity in [root, player] {
+        app.world_mut().entity_mut(entity).clone_and_spawn_with_opt_out(|builder| {
+            builder.linked_cloning(true);
+        });
+    }
+    step(&mut app, 5);
+    assert_eq!(counts(&mut app), [2; 4]);
+
+    let scene = {
+        let below = |of: Entity| {
+            let mut all = vec![of];
+            let mut next = 0;
+            while let Some(&entity) = all.get(next) {
+                all.extend(app.world().get::<Children>(entity).into_iter().flatten());
+                next += 1;
+            }
+            all
+        };
+        let registry = app.world().resource::<AppTypeRegistry>().read();
+        DynamicWorldBuilder::from_world(app.world(), &registry)
+            .extract_entities([below(root), below(player)].concat().into_iter())
+            .build()
+    };
+    scene.write_to_world(app.world_mut(), &mut default()).unwrap();
+    step(&mut app, 5);
+    assert_eq!(counts(&mut app), [3; 4]);
+    let mut figures = app.world_mut().query_filtered::<&Children, With<Figure>>();
+    assert!(figures.iter(app.world()).all(|children| children.len() == 1));
+}
+
+#[test]
+fn colours_and_settings_that_an_app_has_are_kept() {
+    let mut app = App::new();
+    let settings = Visuals3dSettings { ceilings: true, ..default() };
+    app.insert_resource(settings).add_plugins(EnvgenVisuals3dPlugin::default());
+    assert_eq!(*app.world().resource::<Visuals3dSettings>(), settings);
+    let mut app = App::new();
+    let own = EnvgenVisuals3dPlugin::new(Visuals3dSettings::default());
+    app.insert_resource(settings).add_plugins(own);
+    assert_eq!(*app.world().resource::<Visuals3dSettings>(), Visuals3dSettings::default());
 }
 
 #[test]
