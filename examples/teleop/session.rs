@@ -166,6 +166,8 @@ impl Session {
         environment.remove::<MappingTrial>();
         let wanted = Environment::prebuilt(Arc::clone(world)).with_origin_near(world);
         environment.insert((wanted, view, ShowIn3d));
+        // An equal world that was requested before is not requested again by itself, and is never ready.
+        commands.trigger(RebuildEnvironment { entity: self.world });
         self.phase = Phase::Spawning;
     }
 
@@ -257,6 +259,16 @@ impl Session {
         };
         self.report = Some(report);
         self.truth = Some(Arc::new(truth));
+    }
+
+    /// Returns to the settings because of an error.
+    fn give_up(&mut self, error: String) {
+        if self.phase == Phase::Running {
+            // Where nothing was written: only an empty folder is removed.
+            std::fs::remove_dir(&self.folder).ok();
+        }
+        self.message = error;
+        self.phase = Phase::Setup;
     }
 
     /// Starts to write the current log, unless a log is being written.
@@ -406,12 +418,7 @@ pub(crate) fn world_is_ready(
 
 /// The world cannot be spawned: the panel shows the error.
 pub(crate) fn world_has_failed(failed: On<EnvironmentFailed>, mut session: ResMut<Session>) {
-    session.message = failed.error.to_string();
-    if session.phase == Phase::Running {
-        // Nothing was written: only an empty folder is removed.
-        std::fs::remove_dir(&session.folder).ok();
-    }
-    session.phase = Phase::Setup;
+    session.give_up(failed.error.to_string());
 }
 
 /// The trial has ended by itself.
@@ -429,8 +436,7 @@ pub(crate) fn trial_has_ended(
 
 /// The trial cannot begin: the panel shows the error.
 pub(crate) fn trial_has_failed(failed: On<TrialFailed>, mut session: ResMut<Session>) {
-    session.message = failed.error.to_string();
-    session.phase = Phase::Setup;
+    session.give_up(failed.error.to_string());
 }
 
 /// Stops time while the trial is paused.
