@@ -24,6 +24,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use bevy_envgen::bevy_rapier2d::plugin::PhysicsSet;
 use bevy_envgen::physics::TopDownPhysicsPlugin;
 use bevy_envgen::prelude::{
     EnvgenCorePlugin, EnvgenPhysicsPlugin, EnvgenScenarioPlugin, EnvgenVisuals3dPlugin,
@@ -75,6 +76,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         root.insert(EnvironmentScenario::prebuilt(moving));
     }
     app.add_systems(Startup, walker::spawn_camera);
+    app.add_systems(FixedUpdate, walker::note_place.after(PhysicsSet::Writeback));
     app.add_systems(
         Update,
         (walker::hold_mouse, walker::look, walker::walk, walker::follow).chain(),

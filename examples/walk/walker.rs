@@ -51,7 +51,13 @@ pub(crate) struct Walker {
     /// Above the horizon, in radians.
     pitch: f32,
     is_first_person: bool,
+    /// The places after the last two steps of physics, between which frames are.
+    places: [Vec2; 2],
 }
+
+/// What is seen of who walks.
+#[derive(Component)]
+pub(crate) struct Looks;
 
 /// Where to start: where the world says, or in the largest free region.
 pub(crate) fn start(world: &World) -> Result<Pose, Box<dyn Error>> {
@@ -64,11 +70,10 @@ pub(crate) fn start(world: &World) -> Result<Pose, Box<dyn Error>> {
 /// The body at a pose in a world, of which `origin` is at zero.
 pub(crate) fn body(start: Pose, origin: DVec2) -> impl Bundle {
     let heading = start.heading as f32;
-    let place = (start.position - origin).as_vec2().extend(0.0);
+    let place = (start.position - origin).as_vec2();
     (
-        Walker { heading, pitch: 0.0, is_first_person: true },
-        Figure,
-        Transform::from_translation(place),
+        Walker { heading, pitch: 0.0, is_first_person: true, places: [place; 2] },
+        Transform::from_translation(place.extend(0.0)),
         Visibility::Hidden,
         RigidBody::Dynamic,
         LockedAxes::ROTATION_LOCKED,
@@ -76,6 +81,7 @@ pub(crate) fn body(start: Pose, origin: DVec2) -> impl Bundle {
         Friction::coefficient(0.0),
         Velocity::default(),
         ScenarioAgent::new(f64::from(RADIUS)),
+        children![(Looks, Figure)],
     )
 }
 
@@ -154,16 +160,29 @@ pub(crate) fn walk(
     at.rotation = Quat::from_rotation_z(walker.heading);
 }
 
-/// Puts the camera where the eyes are, or behind.
+/// Notes where the last step of physics led.
+pub(crate) fn note_place(walker: Single<(&mut Walker, &Transform)>) {
+    let (mut walker, at) = walker.into_inner();
+    walker.places = [walker.places[1], at.translation.truncate()];
+}
+
+/// Who walks, without what is seen of them.
+type Body = (Without<Camera3d>, Without<Looks>);
+
+/// Puts the camera where the eyes are, or behind, and what is seen to the same place.
 pub(crate) fn follow(
-    walker: Single<(Entity, &Walker, &Transform), Without<Camera3d>>,
-    mut camera: Single<&mut Transform, With<Camera3d>>,
+    walker: Single<(Entity, &Walker, &Transform), Body>,
+    mut camera: Single<&mut Transform, (With<Camera3d>, Without<Looks>)>,
+    mut looks: Single<&mut Transform, With<Looks>>,
     physics: ReadRapierContext,
+    time: Res<Time<Fixed>>,
 ) {
     let (entity, walker, at) = *walker;
+    let [from, to] = walker.places;
+    let here = from.lerp(to, time.overstep_fraction());
+    looks.translation = at.rotation.inverse() * (here.extend(0.0) - at.translation);
     let turn = Quat::from_rotation_z(walker.heading) * Quat::from_rotation_y(-walker.pitch);
     let ahead = turn * Vec3::X;
-    let here = at.translation.truncate();
     if walker.is_first_person {
         let eyes = here.extend(EYES);
         **camera = Transform::from_translation(eyes).looking_to(ahead, Vec3::Z);
