@@ -63,6 +63,7 @@ impl Arguments {
         if let (Err(error), false) = (&kind, path.exists() || path.extension().is_some()) {
             return Err(format!("{}: no such file, and {error}", self.what).into());
         }
+        let place = if kind.is_ok() { "--set" } else { &self.what };
         let spec = match kind {
             Ok(kind) => Some(kind.default_spec()),
             Err(_) => spec_file::read(path)?,
@@ -83,7 +84,6 @@ impl Arguments {
             let folder = folder.display();
             return Err(format!("--rooms {folder}: applies to the kind indoor only").into());
         }
-        let place = if is_spec { self.what.clone() } else { "--set".to_owned() };
         spec.validate().map_err(|error| format!("{place}: {error}"))?;
         let document =
             Document::from_blueprint(spec.generate(self.seed).in_option("--seed", self.seed)?);

@@ -75,6 +75,7 @@ impl Bag {
             world.start = start;
             // No spec gives that start, and what was promised from the other one may not hold.
             world.provenance.edited = true;
+            world.provenance.edits.clear();
             world.provenance.measured = None;
             let held = verify(&world).into_iter().filter(|(_, verdict)| *verdict == Verdict::Holds);
             world.certificate = held.map(|(claim, _)| claim).collect();

@@ -3,10 +3,10 @@
 use std::error::Error;
 use std::path::Path;
 
-use envgen::WorldSpec;
 use envgen::located::Locate;
+use envgen::{WorldKind, WorldSpec};
 
-/// The spec in a file that ends with `.ron`; `None` for any other file, and for the RON of a world.
+/// The spec in a file that ends with `.ron`; `None` for any other file, and for one that may be the RON of a world.
 pub(crate) fn read(path: &Path) -> Result<Option<WorldSpec>, Box<dyn Error>> {
     let name = path.to_string_lossy().to_ascii_lowercase();
     if !name.ends_with(".ron") {
@@ -15,7 +15,15 @@ pub(crate) fn read(path: &Path) -> Result<Option<WorldSpec>, Box<dyn Error>> {
     let text = std::fs::read_to_string(path).in_file(path)?;
     match WorldSpec::from_ron(&text) {
         Ok(spec) => Ok(Some(spec)),
-        Err(error) if name.ends_with(".envgen.ron") => Err(error).in_file(path)?,
+        Err(error) if name.ends_with(".envgen.ron") || is_of_kind(&text) => {
+            Err(error).in_file(path)?
+        }
         Err(_) => Ok(None),
     }
+}
+
+/// Whether a line begins with the name of a kind, as specs do.
+fn is_of_kind(text: &str) -> bool {
+    let name = |line: &str| Some(line.split_once('(')?.0.trim().to_ascii_lowercase());
+    text.lines().filter_map(name).any(|name| name.parse::<WorldKind>().is_ok())
 }

@@ -14,7 +14,7 @@ use crate::spec_file;
 #[derive(Parser)]
 pub(crate) struct Arguments {
     /// A kind of world (hallway, forest, road, indoor, landscape, cellular), a world file in any
-    /// format that `envgen convert` reads, or a spec (.envgen.ron).
+    /// format that `envgen convert` reads, or a spec (.ron).
     #[arg(default_value = "indoor", value_name = "KIND|FILE")]
     world: String,
 

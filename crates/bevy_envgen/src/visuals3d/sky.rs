@@ -89,8 +89,8 @@ pub(super) struct GivenSky;
 #[derive(Component, Clone)]
 pub(super) struct DrawnSky(Handle<Image>);
 
-/// A camera without a sky.
-type Bare = (With<Camera3d>, Without<Sky>, Without<Skybox>);
+/// A camera without a sky, from which none was taken.
+type Bare = (With<Camera3d>, Without<Sky>, Without<Skybox>, Without<GivenSky>);
 
 /// A camera whose sky is new.
 type Renewed = (With<Camera3d>, Changed<Sky>);

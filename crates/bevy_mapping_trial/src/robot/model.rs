@@ -20,9 +20,9 @@ use mapping_trial::robot::{Footprint, Robot};
 ///
 /// Inserting it adds a dynamic body, a collider of the model's footprint, a [`Chassis`] of the
 /// model, its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Those that
-/// the entity already has are kept, as is another [`Chassis`] that is put on it later, and colliders of its children belong to the robot too. Models of other robots can be
-/// read from RON: see [`Robot::from_ron`]. An invalid model gets no body and logs a warning; in place of another model it
-/// removes what that one added.
+/// the entity already has are kept, as is another [`Chassis`] that is put on it later, and colliders of its children
+/// belong to the robot too. Models of other robots can be read from RON: see [`Robot::from_ron`]. An invalid model gets
+/// no body and logs a warning; in place of another model it removes what that one added.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
@@ -280,7 +280,8 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     let mut robot = commands.entity(fit.entity);
     if let Err(error) = model.validate() {
         log::warn!("robot {}: {error}", fit.entity);
-        strip(&mut robot, fitted);
+        let chassis = fitted.chassis.filter(|_| own_chassis.is_none());
+        strip(&mut robot, Fitted { chassis, ..fitted });
         return;
     }
     robot.insert_if_new((

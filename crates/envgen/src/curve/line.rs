@@ -80,23 +80,26 @@ impl Path<'_> {
             .iter()
             .map(|&s| {
                 let (pose, _) = walk.to(s);
-                let normal = unit_vector(pose.heading).perp();
-                let beside = match self.corner_at(s) {
-                    Some(before) => (before + normal) / (1.0 + before.dot(normal)).max(SHARPEST),
-                    None => normal,
-                };
+                let beside = self.corner_at(s).unwrap_or_else(|| unit_vector(pose.heading).perp());
                 pose.position + beside * offset
             })
             .collect()
     }
 
-    /// The normal with which the path comes to `s` metres, if it turns there.
+    /// What [`corner`] gives for the point at `s` metres.
     fn corner_at(&self, s: f64) -> Option<DVec2> {
         let (piece, into) = self.piece_at(s)?;
         let before = self.curves().get(piece.checked_sub(1).filter(|_| into == 0.0)?)?;
-        let (before, after) = (before.end().heading, self.curves()[piece].start.heading);
-        (wrap_angle(after - before).abs() > CORNER).then(|| unit_vector(before).perp())
+        corner(before.end().heading, self.curves()[piece].start.heading)
     }
+}
+
+/// Where the lines beside a path meet, per metre of their offset to the left, if it turns from a heading to another one at
+/// a point.
+pub(crate) fn corner(before: f64, after: f64) -> Option<DVec2> {
+    let [from, to] = [before, after].map(|heading| unit_vector(heading).perp());
+    let is_turn = wrap_angle(after - before).abs() > CORNER;
+    is_turn.then(|| (from + to) / (1.0 + from.dot(to)).max(SHARPEST))
 }
 
 /// Into how many chords a stretch of a piece is cut. A chord over `l` metres of the centre strays

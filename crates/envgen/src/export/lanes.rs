@@ -52,9 +52,13 @@ impl Lanes {
         let solids = ClearanceIndex::new(world, room + BEYOND).ok()?;
         let ground =
             FreeGround { frame, solids, surfaces: SurfaceIndex::of(world, Ground::is_barrier) };
+        let is_firm_everywhere = ground.surfaces.is_plain();
+        // Half of the way to each neighbour.
+        let arms = [DVec2::X, DVec2::Y, DVec2::ONE, DVec2::new(1.0, -1.0)].map(|to| 0.5 * side * to);
         let is_blocked = |cell: usize| {
             let p = frame.center_of(cell);
-            ground.solids.clearance(p) < room || ground.surfaces.at(p).is_barrier()
+            let is_barred = |&arm: &DVec2| ground.surfaces.barrier_along(p - arm, p + arm).0;
+            ground.solids.clearance(p) < room || (!is_firm_everywhere && arms.iter().any(is_barred))
         };
         let blocked: Vec<bool> = (0..frame.len()).map(is_blocked).collect();
         let first = ground.cell_near(start, |cell| !blocked[cell])?;
@@ -64,7 +68,7 @@ impl Lanes {
 
     /// The point of an area that a lane can lead to and that is nearest to another one.
     pub(super) fn nearest_in(&self, area: &Shape, to: DVec2) -> Option<DVec2> {
-        if self.end(to).is_some() {
+        if area.contains(to) && self.end(to).is_some() {
             return Some(to);
         }
         let (frame, bounds) = (self.ground.frame, area.bounds());

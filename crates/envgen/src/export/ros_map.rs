@@ -256,7 +256,7 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
         *open &= frame.center_of(cell).cmplt(end).all();
     }
     match world.provenance.original().kind.parse() {
-        Ok(WorldKind::Road) => {
+        Ok(WorldKind::Road) if !world.road_strips.is_empty() => {
             let Ok(mut inside) = OccupancyGrid::empty(world.bounds, grid.resolution()) else {
                 return;
             };
@@ -305,12 +305,12 @@ fn spec_of(world: &World) -> Option<WorldSpec> {
 
 /// The lines across the open ends of a hallway, from the outside of one wall to that of the other.
 fn open_ends(world: &World) -> Vec<[DVec2; 2]> {
-    let (Some(WorldSpec::Hallway(spec)), Some(seed)) = (spec_of(world), world.provenance.seed)
-    else {
+    let original = world.provenance.original();
+    let (Some(WorldSpec::Hallway(spec)), Some(seed)) = (spec_of(world), original.seed) else {
         return Vec::new();
     };
     // Changed by hand it may lead elsewhere.
-    if spec.ends == Ends::Closed || world.provenance.edited {
+    if spec.ends == Ends::Closed || world.provenance.edited || original.edited {
         return Vec::new();
     }
     let Ok(hallway) = spec.generate(seed) else { return Vec::new() };
@@ -321,7 +321,11 @@ fn open_ends(world: &World) -> Vec<[DVec2; 2]> {
         let wall = (left - right).normalize_or_zero() * spec.wall_thickness;
         Some([left + wall, right - wall])
     };
-    [across(<[DVec2]>::first), across(<[DVec2]>::last)].into_iter().flatten().collect()
+    // A file may have been moved on the way.
+    let bounds = world.bounds.grown(1e-6);
+    let is_here = |end: &[DVec2; 2]| end.iter().all(|p| bounds.contains(*p));
+    let ends = [across(<[DVec2]>::first), across(<[DVec2]>::last)];
+    ends.into_iter().flatten().filter(is_here).collect()
 }
 
 /// The open cell whose middle is nearest to a point.

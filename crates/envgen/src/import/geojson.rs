@@ -82,14 +82,19 @@ pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
         }
         let rooms = world.rooms.len();
         feature_of.add(shapes, &mut world)?;
-        if world.rooms.len() > rooms {
-            first_rooms.push(rooms as u32);
+        if feature_of.part() == "room" {
+            first_rooms.push((world.rooms.len() > rooms).then_some(rooms as u32));
         }
     }
     // Doorways name rooms by the order of their features.
-    let more = (world.rooms.len() - first_rooms.len()) as u32;
-    for room in world.doorways.iter_mut().flat_map(|doorway| &mut doorway.rooms).flatten() {
-        *room = first_rooms.get(*room as usize).copied().unwrap_or(room.saturating_add(more));
+    for (number, doorway) in world.doorways.iter_mut().enumerate() {
+        for room in doorway.rooms.iter_mut().flatten() {
+            let Some(Some(first)) = first_rooms.get(*room as usize) else {
+                let allowed = format!("numbers of the {} rooms, or null", first_rooms.len());
+                return Err(PlanError::value(&format!("doorways[{number}].rooms"), room.to_string(), &allowed));
+            };
+            *room = *first;
+        }
     }
     let bbox = collection.bbox.as_deref().map(|bbox| match *bbox {
         [a, b, c, d] | [a, b, _, c, d, _] => Ok(Rect::new(DVec2::new(a, b), DVec2::new(c, d))),

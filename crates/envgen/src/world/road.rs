@@ -78,8 +78,22 @@ impl RoadStrip {
         let left = path.offset_curve(0.5 * self.width, &distances);
         let right = path.offset_curve(-0.5 * self.width, &distances);
         let quads = distances.len().saturating_sub(1) as u32;
+        let mut vertices: Vec<DVec2> = left.into_iter().zip(right).flat_map(|(l, r)| [l, r]).collect();
+        let ends = [distances.first().copied(), distances.last().copied()];
+        if self.closed
+            && ends == [Some(0.0), Some(path.length())]
+            && let [first, .., last] = path.curves()
+            && let Some(beside) = corner(last.end().heading, first.start.heading)
+        {
+            // The circuit turns where it closes.
+            let n = vertices.len();
+            for (pair, at) in [(0, first.start.position), (n - 2, last.end().position)] {
+                vertices[pair] = at + beside * (0.5 * self.width);
+                vertices[pair + 1] = at - beside * (0.5 * self.width);
+            }
+        }
         RoadMesh {
-            vertices: left.into_iter().zip(right).flat_map(|(l, r)| [l, r]).collect(),
+            vertices,
             distances: distances.into_iter().flat_map(|s| [s, s]).collect(),
             triangles: (0..quads)
                 .flat_map(|i| {

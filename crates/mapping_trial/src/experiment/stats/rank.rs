@@ -77,7 +77,8 @@ impl Null {
     /// The least correlation that chance reaches in at most 5 % of cases; `None` where it reaches even the greatest more
     /// often.
     pub fn critical(&self) -> Option<f64> {
-        let allowed = self.rhos.len() / 20;
+        // With the correlation itself, as in `p_value`.
+        let allowed = (self.rhos.len() + 1) / 20 - 1;
         let edge = self.rhos[self.rhos.len() - allowed - 1];
         self.rhos.iter().find(|&&rho| rho > edge + NEAR).copied()
     }
