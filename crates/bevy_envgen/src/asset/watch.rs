@@ -105,8 +105,8 @@ struct Unloaded {
     room: Handle<RoomAsset>,
 }
 
-/// Loads specs again whose rooms could not be loaded before. Bevy itself notes which rooms a spec depends on only once it
-/// is loaded.
+/// Loads specs again whose rooms could not be loaded before. Bevy itself notes which rooms a spec depends on only once
+/// it is loaded.
 fn watch_rooms(
     mut failures: MessageReader<AssetLoadFailedEvent<WorldAsset>>,
     mut loads: MessageReader<AssetEvent<WorldAsset>>,

@@ -82,7 +82,8 @@ pub(super) fn draw_figure(added: On<Add, Figure>, mut commands: Commands) {
     });
 }
 
-/// Despawns the meshes that came out of a scene, or as clones, together with their figure, which has got one of its own.
+/// Despawns the meshes that came out of a scene, or as clones, together with their figure, which has got one of its
+/// own.
 pub(super) fn remove_clones(
     added: Query<(Entity, &ChildOf), Added<FigureBody>>,
     figures: Query<&DrawnFigure>,

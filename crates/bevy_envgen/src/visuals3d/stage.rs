@@ -21,8 +21,8 @@ use crate::environment::{EndlessTruth, Environment, GroundTruth, SpawnedOrigin};
 use crate::job::spawned_origin;
 use crate::streaming::StreamAround;
 
-/// Ground and light of a world, on a child of its [`Environment`]. Its own children are what draws. That of a scene or a
-/// clone is replaced.
+/// Ground and light of a world, on a child of its [`Environment`]. Its own children are what draws. That of a scene or
+/// a clone is replaced.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default, Clone)]
 #[require(Transform, Visibility)]

@@ -115,8 +115,8 @@ pub enum TrialViewSystems {
 /// Draws mapping trials. Add it after [`EnvgenPlugins`](bevy_envgen::EnvgenPlugins).
 ///
 /// Adds the resource [`TrialPalette`] and the systems of [`TrialViewSystems`]. Needs Bevy's plugins
-/// for images, meshes, sprites and `ColorMaterial`s; without them it draws nothing. By default the colours are those that
-/// the app has, if it has any.
+/// for images, meshes, sprites and `ColorMaterial`s; without them it draws nothing. By default the colours are those
+/// that the app has, if it has any.
 #[derive(Clone, Debug, Default)]
 pub struct TrialViewPlugin {
     palette: Option<TrialPalette>,

@@ -94,8 +94,8 @@ impl Path<'_> {
     }
 }
 
-/// Where the lines beside a path meet, per metre of their offset to the left, if it turns from a heading to another one at
-/// a point.
+/// Where the lines beside a path meet, per metre of their offset to the left, if it turns from a heading to another one
+/// at a point.
 pub(crate) fn corner(before: f64, after: f64) -> Option<DVec2> {
     let [from, to] = [before, after].map(|heading| unit_vector(heading).perp());
     let is_turn = wrap_angle(after - before).abs() > CORNER;

@@ -17,5 +17,6 @@ mod series;
 mod tree;
 
 pub use index::{Located, PathIndex};
+pub(crate) use line::corner;
 pub use path::{Path, Walk};
 pub use segment::Curve;

@@ -53,8 +53,9 @@ impl Lanes {
         let ground =
             FreeGround { frame, solids, surfaces: SurfaceIndex::of(world, Ground::is_barrier) };
         let is_firm_everywhere = ground.surfaces.is_plain();
-        // Half of the way to each neighbour.
-        let arms = [DVec2::X, DVec2::Y, DVec2::ONE, DVec2::new(1.0, -1.0)].map(|to| 0.5 * side * to);
+        // Halves of the lines to all neighbours.
+        let arms =
+            [DVec2::X, DVec2::Y, DVec2::ONE, DVec2::new(1.0, -1.0)].map(|to| 0.5 * side * to);
         let is_blocked = |cell: usize| {
             let p = frame.center_of(cell);
             let is_barred = |&arm: &DVec2| ground.surfaces.barrier_along(p - arm, p + arm).0;

@@ -272,7 +272,7 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
         Ok(WorldKind::Forest) => {
             let Some(WorldSpec::Forest(spec)) = spec_of(world) else { return };
             let area = spec.area();
-            // A file may have been moved on the way.
+            // A file may have been moved by other tools.
             if !world.bounds.grown(1e-6).contains_rect(area) {
                 return;
             }
@@ -321,7 +321,7 @@ fn open_ends(world: &World) -> Vec<[DVec2; 2]> {
         let wall = (left - right).normalize_or_zero() * spec.wall_thickness;
         Some([left + wall, right - wall])
     };
-    // A file may have been moved on the way.
+    // A file may have been moved by other tools.
     let bounds = world.bounds.grown(1e-6);
     let is_here = |end: &[DVec2; 2]| end.iter().all(|p| bounds.contains(*p));
     let ends = [across(<[DVec2]>::first), across(<[DVec2]>::last)];

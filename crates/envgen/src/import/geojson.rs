@@ -91,7 +91,11 @@ pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
         for room in doorway.rooms.iter_mut().flatten() {
             let Some(Some(first)) = first_rooms.get(*room as usize) else {
                 let allowed = format!("numbers of the {} rooms, or null", first_rooms.len());
-                return Err(PlanError::value(&format!("doorways[{number}].rooms"), room.to_string(), &allowed));
+                return Err(PlanError::value(
+                    &format!("doorways[{number}].rooms"),
+                    room.to_string(),
+                    &allowed,
+                ));
             };
             *room = *first;
         }

@@ -146,7 +146,8 @@ impl FreeCells {
         let count = (size / side).ceil().max(DVec2::ONE);
         // In coarser cells usual doorways are too narrow, and leaves too thin.
         if count.x * count.y > MAX_CELLS {
-            let allowed = format!("an area of at most {} m^2 for doors", (MAX_CELLS * side * side).floor());
+            let allowed =
+                format!("an area of at most {} m^2 for doors", (MAX_CELLS * side * side).floor());
             return Err(SpecError::new("bounds", format!("{} x {} m", size.x, size.y), allowed));
         }
         let (cols, rows) = (count.x as usize, count.y as usize);

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use glam::DVec2;
 
 use super::RoadStrip;
-use crate::curve::{Curve, Path};
+use crate::curve::{Curve, Path, corner};
 use crate::geometry::Pose;
 
 /// A road's surface as triangles.
@@ -78,7 +78,8 @@ impl RoadStrip {
         let left = path.offset_curve(0.5 * self.width, &distances);
         let right = path.offset_curve(-0.5 * self.width, &distances);
         let quads = distances.len().saturating_sub(1) as u32;
-        let mut vertices: Vec<DVec2> = left.into_iter().zip(right).flat_map(|(l, r)| [l, r]).collect();
+        let mut vertices: Vec<DVec2> =
+            left.into_iter().zip(right).flat_map(|(l, r)| [l, r]).collect();
         let ends = [distances.first().copied(), distances.last().copied()];
         if self.closed
             && ends == [Some(0.0), Some(path.length())]

@@ -1,11 +1,11 @@
 //! Worlds as buildings of Open-RMF.
 
-use envgen::geometry::{Rect, Shape};
+use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::hallway::HallwaySpec;
 use envgen::import::read_geojson;
 use envgen::indoor::IndoorSpec;
-use envgen::world::{Doorway, Wall, WallKind};
+use envgen::world::{Doorway, Surface, SurfaceKind, Wall, WallKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World, WorldKind};
 use serde_json::Value;
 
@@ -118,6 +118,24 @@ fn lanes_lead_to_the_goal_and_into_every_room() {
             assert!(room.shape.contains(*at), "{} at {at}", room.name);
         }
     }
+}
+
+#[test]
+fn lanes_do_not_cross_water() {
+    let world = |water: bool| {
+        let bounds = Rect::new(DVec2::ZERO, DVec2::new(6.0, 3.0));
+        let mut world = World::new(Provenance::other("manual", Value::Null), bounds);
+        world.start = Some(Pose::new(1.0, 1.0, 0.0));
+        world.goal = Some(Pose::new(5.0, 2.0, 0.0));
+        if water {
+            // Between the middles of two columns of cells of 0.1 m.
+            let strip = Rect::new(DVec2::new(2.97, 0.0), DVec2::new(3.03, 3.0));
+            world.surfaces.push(Surface::new(SurfaceKind::Water, Shape::from_rect(strip)));
+        }
+        world
+    };
+    assert_eq!(Building::of(&world(false)).edges("lanes").len(), 1);
+    assert_eq!(Building::of(&world(true)).edges("lanes"), Vec::<[DVec2; 2]>::new());
 }
 
 #[test]

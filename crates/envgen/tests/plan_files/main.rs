@@ -229,7 +229,17 @@ fn roads_have_a_length() {
     let corners = |triangle: &[u32; 3]| triangle.map(|i| mesh.vertices[i as usize]);
     let areas = mesh.triangles.iter().map(|triangle| signed_area(&corners(triangle)));
     assert!(areas.clone().all(|area| area > 0.0) && (areas.sum::<f64>() - 40.0).abs() < 1e-9);
+    // A circuit turns where it closes, too: a square of 12 m without one of 8 m.
+    let circuit = written(&world, "a.geojson").replace("\"closed\":false", "\"closed\":true");
+    let circuit = circuit.replace("[[0.0,0.0],[10.0,0.0],[10.0,10.0]]", SQUARE);
+    let world = read_geojson(&mut circuit.as_bytes()).unwrap();
+    let mesh = world.road_strips[0].mesh(0.01);
+    let corners = |triangle: &[u32; 3]| triangle.map(|i| mesh.vertices[i as usize]);
+    let areas = mesh.triangles.iter().map(|triangle| signed_area(&corners(triangle)));
+    assert!((areas.sum::<f64>() - 80.0).abs() < 1e-9, "{:?}", mesh.vertices);
 }
+
+const SQUARE: &str = "[[0.0,0.0],[10.0,0.0],[10.0,10.0],[0.0,10.0],[0.0,0.0]]";
 
 #[test]
 fn nothing_is_asked_of_the_properties_of_other_geojson() {
@@ -291,7 +301,11 @@ fn what_is_wrong_with_geojson_is_named() {
         ),
         ("\"open\":false", "\"open\":7", "properties.open` must be true or false, got 7"),
         ("\"kind\":\"crate\"", "\"kind\":\"lake\"", "properties.kind` must be a kind of obstacle"),
-        ("\"rooms\":[null,null]", "\"rooms\":[9,null]", "doorway 0 names room 9"),
+        (
+            "\"rooms\":[null,null]",
+            "\"rooms\":[9,null]",
+            "`doorways[0].rooms` must be numbers of the 0 rooms",
+        ),
         ("[2.0,2.5]", "[2.0,2e9]", "must be from -1e8 to 1e8 m"),
         ("[1.0,1.0]", "[0.1,0.1]", "the start pose lies inside wall 0"),
         (

@@ -40,8 +40,8 @@ impl Panel {
     /// Reads a panel from RON.
     ///
     /// # Errors
-    /// Line and column of a mistake, or the first value that is not allowed; the name of the [reference](Self::reference)
-    /// panel with other conditions.
+    /// Line and column of a mistake, or the first value that is not allowed; the name of the
+    /// [reference](Self::reference) panel with other conditions.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
         let (panel, reference) = (read(text)?, Panel::reference());
         // What it measured would be taken for what the reference panel measured.

@@ -165,7 +165,7 @@ impl Mapper {
         if is_due { self.add(robot, sweep, &walls, is_certain) } else { None }
     }
 
-    /// Drops the echoes of other robots: one that stands would be walled in by what others see of it.
+    /// Drops the echoes of other robots: one that does not move would be walled in by what others see of it.
     fn drop_teammates(&self, robot: usize, sweep: &mut Sweep) {
         let others = (0..self.tracks.len()).filter(|&other| other != robot);
         let to_robot = self.estimate(robot).pose.world_to_local();

@@ -19,7 +19,7 @@ const GOLDEN: [&str; 9] = [
     "873033160c9a7162f05d6cc863dd3caa",
     "104cce2dc910be6ca39bff1d8979c299",
     "efca20a2372990f31163df63a64f1b49",
-    "1eb031a54914fff9375b125c584b9508",
+    "2a22e5b34eb382aa828372935bfdcdd5",
     "77449adf3292396e5c2c544bc6c686fa",
     "62ea70e5802b95e51a5f75521d5de137",
 ];

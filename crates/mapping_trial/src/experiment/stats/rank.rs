@@ -74,8 +74,8 @@ impl Null {
         Null { rhos }
     }
 
-    /// The least correlation that chance reaches in at most 5 % of cases; `None` where it reaches even the greatest more
-    /// often.
+    /// The least correlation that chance reaches in at most 5 % of cases; `None` where it reaches even the greatest
+    /// more often.
     pub fn critical(&self) -> Option<f64> {
         // With the correlation itself, as in `p_value`.
         let allowed = (self.rhos.len() + 1) / 20 - 1;
