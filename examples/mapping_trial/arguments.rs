@@ -186,6 +186,7 @@ impl Arguments {
     }
 
     /// What moves in the world; `None` where nothing does.
+    #[expect(clippy::print_stderr, reason = "a note for the person at the terminal")]
     pub(crate) fn scenario(&self, world: &World) -> Result<Option<Scenario>, Box<dyn Error>> {
         if let Some(path) = &self.scenario {
             let text = std::fs::read_to_string(path).in_file(path)?;
