@@ -101,7 +101,7 @@ impl FreeSpace {
                 space.clearances[cell] = space.clearance(p).min(REACH) as f32;
             }
         }
-        space.moves = (0..frame.len()).map(|cell| space.moves_from(cell)).collect();
+        space.moves = space.find_moves();
         space
     }
 
@@ -136,18 +136,18 @@ impl FreeSpace {
         f64::from(self.clearances[cell])
     }
 
-    fn moves_from(&self, cell: usize) -> u8 {
-        if !self.is_free(cell) {
-            return 0;
-        }
-        let mut moves = 0;
-        for (i, &(right, up)) in NEIGHBOURS.iter().enumerate() {
-            let Some(other) = self.frame.neighbour(cell, right, up) else { continue };
-            let (a, b) = (self.frame.center_of(cell), self.frame.center_of(other));
-            // The same answer from both ends.
-            let (a, b) = if cell < other { (a, b) } else { (b, a) };
-            if self.is_free(other) && self.is_clear(a, b) {
-                moves |= 1 << i;
+    /// The moves from every cell: each straight line is checked once for both directions.
+    fn find_moves(&self) -> Vec<u8> {
+        let mut moves = vec![0; self.frame.len()];
+        for cell in (0..self.frame.len()).filter(|&cell| self.is_free(cell)) {
+            let a = self.frame.center_of(cell);
+            // The other half of the directions are the opposite ones.
+            for (i, &(right, up)) in NEIGHBOURS[..4].iter().enumerate() {
+                let Some(other) = self.frame.neighbour(cell, right, up) else { continue };
+                if self.is_free(other) && self.is_clear(a, self.frame.center_of(other)) {
+                    moves[cell] |= 1 << i;
+                    moves[other] |= 1 << (i + 4);
+                }
             }
         }
         moves
