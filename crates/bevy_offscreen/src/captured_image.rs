@@ -1,4 +1,4 @@
-//! A captured image in memory, and as PNG.
+//! The pixels of a captured image, in memory and as a PNG file.
 
 use std::io::BufWriter;
 use std::path::Path;
@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use crate::error::CaptureError;
 use crate::whole_file;
 
-/// Pixels in red, green and blue.
+/// An image that was captured, as red, green and blue values without alpha.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CapturedImage {
     size: UVec2,
@@ -16,15 +16,15 @@ pub struct CapturedImage {
 }
 
 impl CapturedImage {
-    /// The pixels of an image that Bevy drew into.
+    /// Copies the pixels of an image that Bevy has drawn into.
     ///
     /// # Errors
-    /// A format without colours.
+    /// Returns an error if the format of the image has no colours.
     pub fn of(image: &Image) -> Result<Self, CaptureError> {
         Self::averaged(image, 1)
     }
 
-    /// The means of squares of pixels, `side` wide.
+    /// Scales an image down: each pixel is the mean of a square of `side` by `side` pixels.
     pub(crate) fn averaged(image: &Image, side: u32) -> Result<Self, CaptureError> {
         let format =
             || CaptureError::Format { format: format!("{:?}", image.texture_descriptor.format) };
@@ -37,17 +37,18 @@ impl CapturedImage {
         Ok(CapturedImage { size, rgb: pixels.into_rgb8().into_raw() })
     }
 
-    /// Width and height in pixels.
+    /// Returns the width and the height in pixels.
     pub fn size(&self) -> UVec2 {
         self.size
     }
 
-    /// Red, green and blue of every pixel, row by row from the top left.
+    /// Returns the red, green and blue values of all pixels, row by row from the top left.
     pub fn rgb(&self) -> &[u8] {
         &self.rgb
     }
 
-    /// Red, green and blue of a pixel, counted from the top left; `None` outside of the picture.
+    /// Returns the red, green and blue values of a pixel, counted from the top left, or `None` outside of the
+    /// picture.
     pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 3]> {
         if x >= self.size.x || y >= self.size.y {
             return None;
@@ -56,10 +57,10 @@ impl CapturedImage {
         self.rgb.get(first..first + 3)?.try_into().ok()
     }
 
-    /// Writes a PNG, which appears completely or not at all.
+    /// Writes a PNG file. The file appears completely or not at all.
     ///
     /// # Errors
-    /// An error of the file system.
+    /// Returns an error if the file system reports one.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<(), CaptureError> {
         let path = path.as_ref();
         self.write(path).map_err(|source| CaptureError::File { path: path.to_owned(), source })

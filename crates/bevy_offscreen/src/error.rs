@@ -1,18 +1,18 @@
-//! Why there is no picture.
+//! The reasons why a picture cannot be taken.
 
 use std::path::PathBuf;
 
 use bevy::prelude::*;
 use thiserror::Error;
 
-/// The largest side of a picture in pixels, which every driver can draw.
+/// The largest side of a picture in pixels. Every driver can draw images of this size.
 pub const MAX_SIDE: u32 = 8192;
 
-/// The number of frames after which a missing picture is an error.
+/// The number of frames after which a picture that has not arrived is an error.
 #[cfg(feature = "render")]
 pub(crate) const MOST_FRAMES: u32 = 100;
 
-/// Why a picture or film cannot be made.
+/// An error that prevents a picture or film.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CaptureError {
@@ -22,10 +22,10 @@ pub enum CaptureError {
          Vulkan can draw; on Debian and Ubuntu: `apt-get install mesa-vulkan-drivers`"
     )]
     NoRenderer {
-        /// The message of the search for drivers.
+        /// The error message of the search for a driver.
         reason: String,
     },
-    /// The entity is not a camera whose picture can be taken.
+    /// The entity is not a camera of which a picture can be taken.
     #[error("{camera} is not a camera that draws into an image or a window")]
     NoCamera {
         /// The entity.
@@ -34,11 +34,11 @@ pub enum CaptureError {
     /// The size of the picture is out of range.
     #[error("the sides of a picture must be 1 to {largest} pixels, got {width} x {height}")]
     Size {
-        /// Pixels from left to right.
+        /// The width in pixels.
         width: u32,
-        /// Pixels from top to bottom.
+        /// The height in pixels.
         height: u32,
-        /// The largest side in pixels.
+        /// The largest allowed side in pixels.
         largest: u32,
     },
     /// The field of view is out of range.
@@ -47,7 +47,7 @@ pub enum CaptureError {
         /// The angle in radians.
         found: f32,
     },
-    /// The pose of the camera is not one.
+    /// The pose of the camera is not finite, or its rotation is not normalized.
     #[error("the pose of a camera must be finite, with a rotation of length 1, got {found:?}")]
     Pose {
         /// The pose.
@@ -62,21 +62,21 @@ pub enum CaptureError {
     /// The size of a frame differs from that of the film.
     #[error("the frame must have {expected} pixels like the film, got {found}")]
     OtherSize {
-        /// The frame's size.
+        /// The size of the frame.
         found: UVec2,
-        /// The film's.
+        /// The size of the film.
         expected: UVec2,
     },
     /// The frame rate of a film is out of range.
     #[error("`frames_per_second` must be a number from 1 to 50, got {found}")]
     FrameRate {
-        /// Frames per second.
+        /// The requested number of frames per second.
         found: f64,
     },
     /// The driver did not deliver the picture.
     #[error("the driver delivered no picture within {frames} frames")]
     Lost {
-        /// Number of frames waited for.
+        /// The number of frames that the request waited.
         frames: u32,
     },
     /// The file could not be written.

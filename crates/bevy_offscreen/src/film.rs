@@ -1,4 +1,4 @@
-//! Sequences of pictures: an animated GIF, or a folder of PNGs.
+//! Sequences of pictures, as an animated GIF or as a folder of PNG files.
 
 use std::fs;
 use std::io::{BufWriter, Write};
@@ -12,9 +12,11 @@ use crate::captured_image::CapturedImage;
 use crate::error::CaptureError;
 use crate::whole_file;
 
-/// An animated GIF, which loops forever. Each frame is written when it is added, with its own
-/// palette (up to 256 colours exactly, more by the nearest colour), and only where it changed. The
-/// file appears with [`Film::finish`]; without that call no file is written.
+/// An animated GIF that loops forever.
+///
+/// Each frame is written when it is added: only the area that has changed, with a palette of its own. Up to
+/// 256 colours are exact, and more are replaced by the nearest colours of the palette. The file appears when
+/// [`Film::finish`] is called. Without that call no file is written.
 ///
 /// ```
 /// use bevy_offscreen::Film;
@@ -31,22 +33,22 @@ use crate::whole_file;
 /// ```
 pub struct Film {
     path: PathBuf,
-    /// Time from frame to frame in hundredths of a second.
+    /// The time from frame to frame in hundredths of a second.
     delay: u16,
-    /// `None` until the first frame defines the size.
+    /// The open file, until the first frame defines the size of the film.
     file: Option<BufWriter<AtomicWriteFile>>,
     encoder: Option<Encoder<BufWriter<AtomicWriteFile>>>,
     last: Option<CapturedImage>,
-    /// Hundredths of a second for which the last picture has not yet been shown.
+    /// How long the last picture must still be shown, in hundredths of a second.
     waiting: u16,
 }
 
 impl Film {
-    /// A film of `frames_per_second` frames per second, from 1 to 50. GIF stores the time of a frame
-    /// in hundredths of a second.
+    /// Creates a film of `frames_per_second` frames per second, from 1 to 50. GIF stores the duration of a
+    /// frame in hundredths of a second, to which it is rounded.
     ///
     /// # Errors
-    /// A frame rate that is out of range, or a file that cannot be created.
+    /// Returns an error if the frame rate is out of range, or if the file cannot be created.
     pub fn create(path: impl Into<PathBuf>, frames_per_second: f64) -> Result<Self, CaptureError> {
         if !(1.0..=50.0).contains(&frames_per_second) {
             return Err(CaptureError::FrameRate { found: frames_per_second });
@@ -58,10 +60,10 @@ impl Film {
         Ok(Film { path, delay, file: Some(file), encoder: None, last: None, waiting: 0 })
     }
 
-    /// Adds a picture. If it is equal to the last one, that one is shown longer instead.
+    /// Adds a picture. If it is equal to the last one, the last one is shown longer instead.
     ///
     /// # Errors
-    /// A size that differs from the film's, or an error of the file system.
+    /// Returns an error if the size differs from that of the film, or if the file system reports an error.
     pub fn push(&mut self, picture: &CapturedImage) -> Result<(), CaptureError> {
         let size = picture.size();
         let sides = u16::try_from(size.x).ok().zip(u16::try_from(size.y).ok());
@@ -111,7 +113,7 @@ impl Film {
         Ok(())
     }
 
-    /// Shows the last picture for the time in which nothing changed, by a frame of a single pixel.
+    /// Extends the time for which the last picture is shown, with a frame of a single pixel.
     fn hold(&mut self) -> Result<(), CaptureError> {
         let waiting = std::mem::take(&mut self.waiting);
         if let (1.., Some(encoder), Some(last)) = (waiting, &mut self.encoder, &self.last) {
@@ -122,10 +124,10 @@ impl Film {
         Ok(())
     }
 
-    /// Writes the rest, and gives the file its name. A film without frames leaves no file.
+    /// Writes the remaining data and gives the file its name. A film without frames creates no file.
     ///
     /// # Errors
-    /// An error of the file system.
+    /// Returns an error if the file system reports one.
     pub fn finish(mut self) -> Result<(), CaptureError> {
         self.hold()?;
         let Some(encoder) = self.encoder else {
@@ -149,7 +151,7 @@ fn failure(path: &Path, error: gif::EncodingError) -> CaptureError {
     CaptureError::File { path: path.to_owned(), source }
 }
 
-/// The smallest rectangle around all pixels that differ; `None` when none does.
+/// Returns the smallest rectangle around all pixels that differ, or `None` if the images are equal.
 fn changes(a: &CapturedImage, b: &CapturedImage) -> Option<URect> {
     let width = a.size().x as usize;
     let pixels = a.rgb().as_chunks::<3>().0.iter().zip(b.rgb().as_chunks::<3>().0);
@@ -162,7 +164,7 @@ fn changes(a: &CapturedImage, b: &CapturedImage) -> Option<URect> {
     area
 }
 
-/// A folder of PNGs, `frame_000001.png` and so on, as video programs read them.
+/// A folder of PNG files named `frame_000001.png` and so on, as video encoders read them.
 #[derive(Debug)]
 pub struct Frames {
     folder: PathBuf,
@@ -170,10 +172,10 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Frames in a folder, which is created if it does not exist. Existing frames are overwritten.
+    /// Creates the folder if it does not exist. Existing frames in it are overwritten.
     ///
     /// # Errors
-    /// A folder that cannot be created.
+    /// Returns an error if the folder cannot be created.
     pub fn create(folder: impl Into<PathBuf>) -> Result<Self, CaptureError> {
         let folder = folder.into();
         match fs::create_dir_all(&folder) {
@@ -185,7 +187,7 @@ impl Frames {
     /// Writes the next picture and returns its path.
     ///
     /// # Errors
-    /// An error of the file system.
+    /// Returns an error if the file system reports one.
     pub fn push(&mut self, picture: &CapturedImage) -> Result<PathBuf, CaptureError> {
         let path = self.folder.join(format!("frame_{:06}.png", self.count + 1));
         picture.write_png(&path)?;
@@ -193,12 +195,12 @@ impl Frames {
         Ok(path)
     }
 
-    /// The folder.
+    /// Returns the folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Number of frames written.
+    /// Returns the number of frames that were written.
     pub fn count(&self) -> u32 {
         self.count
     }

@@ -1,9 +1,9 @@
-//! Pictures and films of what cameras see, with or without a window.
+//! Takes pictures and films of what Bevy's cameras see, with or without a window.
 //!
-//! An app that draws adds `CapturePlugin` and triggers `TakePicture` on a camera. Tests, servers and
-//! scripts without a display use a `Studio`: an app that draws into images, on a graphics card or
-//! with Mesa's software Vulkan. [`Film`] makes an animated GIF of its pictures, and [`Frames`] a
-//! folder of PNGs.
+//! An app that draws adds `CapturePlugin` and triggers `TakePicture` on a camera. Tests, servers and scripts
+//! without a display use a `Studio`, which is an app that draws into images, on a graphics card or with
+//! Mesa's software Vulkan. [`Film`] makes an animated GIF of the pictures, and [`Frames`] a folder of PNG
+//! files.
 //!
 //! ```no_run
 //! # #[cfg(feature = "render")]
@@ -26,7 +26,8 @@
 //! | `render` | no | `Studio`, `CapturePlugin`, `TakePicture` and `find_renderer`; only this feature and those that include it need rendering crates |
 //! | `render3d` | no | cameras in three dimensions for `Studio` |
 //!
-//! Without it there are [`CapturedImage`], [`Film`] and [`Frames`], for images that the app has.
+//! Without features the crate has [`CapturedImage`], [`Film`] and [`Frames`], for images that the app already
+//! has.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -47,7 +48,7 @@ pub use request::{CapturePlugin, PictureFailed, PictureTaken, TakePicture};
 #[cfg(feature = "render")]
 pub use studio::{Studio, find_renderer};
 
-/// The snippets of the README.
+/// The doctests of the README.
 #[cfg(all(doctest, feature = "render"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! Pictures of the cameras of a running app.
+//! Requests for pictures of the cameras of a running app.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,41 +11,44 @@ use bevy::window::PrimaryWindow;
 use crate::captured_image::CapturedImage;
 use crate::error::{CaptureError, MOST_FRAMES};
 
-/// Requests a picture of what a camera draws into, an image or a window, as PNG. A few frames later
-/// [`PictureTaken`] or [`PictureFailed`] is triggered on the camera. Until then a camera that is not active draws.
+/// An event that requests a picture of what a camera draws into an image or a window, as a PNG file.
+///
+/// A few frames later [`PictureTaken`] or [`PictureFailed`] is triggered on the camera. A camera that is not
+/// active draws until then.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TakePicture {
-    /// The camera.
+    /// The entity of the camera.
     pub entity: Entity,
-    /// The file to write.
+    /// The path of the file to write.
     pub path: PathBuf,
 }
 
-/// Triggered on a camera when its picture was written.
+/// An event that is triggered on a camera when its picture has been written.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct PictureTaken {
-    /// The camera.
+    /// The entity of the camera.
     pub entity: Entity,
-    /// The file.
+    /// The path of the file.
     pub path: PathBuf,
 }
 
-/// Triggered on a camera when its picture could not be taken or written.
+/// An event that is triggered on a camera when its picture could not be taken or written.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct PictureFailed {
-    /// The entity of the request.
+    /// The entity of the request, which may have no camera.
     pub entity: Entity,
-    /// Why.
+    /// The reason of the failure.
     pub error: Arc<CaptureError>,
 }
 
-/// How many pixels of a camera's image, from left to right and from top to bottom, make one of its pictures; 1 for a
-/// camera without it.
+/// A component with the number of pixels of a camera's image, along each side, that are averaged into one
+/// pixel of a picture. It is 1 for a camera without this component.
 #[derive(Component, Clone, Copy, Debug)]
 pub(crate) struct Supersampling(pub(crate) u32);
 
-/// Takes pictures of cameras when [`TakePicture`] is triggered. Needs Bevy's `RenderPlugin`;
-/// without it, requests are not answered.
+/// Takes pictures of cameras when [`TakePicture`] is triggered.
+///
+/// Needs Bevy's `RenderPlugin`. Without it, requests are not answered.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CapturePlugin;
 
@@ -57,14 +60,14 @@ impl Plugin for CapturePlugin {
     }
 }
 
-/// The requests that a screenshot of Bevy answers: it takes one of a target at a time. Without a [`Screenshot`] until a
-/// camera that was not active has drawn.
+/// The requests that one screenshot of Bevy answers, since Bevy takes one screenshot of a target at a time.
+/// The entity has no [`Screenshot`] until a camera that was not active has drawn.
 #[derive(Component)]
 struct Asked {
     source: RenderTarget,
     target: NormalizedRenderTarget,
     requests: Vec<Request>,
-    /// Frames since the first of them.
+    /// The number of frames since the first request.
     frames: u32,
 }
 
@@ -72,7 +75,7 @@ struct Request {
     camera: Entity,
     path: PathBuf,
     side: u32,
-    /// Whether the camera is active for it alone.
+    /// Whether the camera is active only for this request.
     wakes: bool,
 }
 
@@ -103,7 +106,7 @@ fn take(
     commands.queue(move |world: &mut World| {
         let mut waiting =
             world.query_filtered::<(&mut Asked, Has<Screenshot>), Without<Capturing>>();
-        // What was not active is not drawn in this frame.
+        // A camera that was not active before is not drawn in this frame.
         let wakes = request.wakes;
         let suits = |asked: &Asked, is_due: bool| asked.target == target && !(wakes && is_due);
         let found = waiting.iter_mut(world).find(|(asked, is_due)| suits(asked, *is_due));
@@ -120,10 +123,10 @@ fn take(
     });
 }
 
-/// What is not asked of Bevy yet.
+/// Filters for requests that are not passed on to Bevy yet.
 type Unasked = (Without<Screenshot>, Without<Capturing>);
 
-/// Asks for the pictures of cameras that have been active for a whole frame.
+/// Requests screenshots of the cameras that have been active for a whole frame.
 fn capture_woken(waiting: Query<(Entity, &Asked), Unasked>, mut commands: Commands) {
     for (entity, asked) in &waiting {
         if asked.frames > 0 && !asked.requests.is_empty() {
@@ -132,7 +135,7 @@ fn capture_woken(waiting: Query<(Entity, &Asked), Unasked>, mut commands: Comman
     }
 }
 
-/// Lets a camera rest again that was active for a request alone.
+/// Deactivates a camera that was active only for a request.
 fn rest(request: &Request, cameras: &mut Query<&mut Camera>) {
     if request.wakes
         && let Ok(mut camera) = cameras.get_mut(request.camera)
@@ -141,7 +144,7 @@ fn rest(request: &Request, cameras: &mut Query<&mut Camera>) {
     }
 }
 
-/// Writes a picture for all that asked for it.
+/// Writes the picture to the file of each request for it.
 fn answer(
     captured: On<ScreenshotCaptured>,
     mut all: Query<&mut Asked>,
@@ -162,7 +165,7 @@ fn answer(
     }
 }
 
-/// Gives up screenshots that do not arrive, such as those of an image that is gone.
+/// Gives up on screenshots that do not arrive, such as those of an image that no longer exists.
 fn give_up(mut all: Query<(Entity, &mut Asked)>, mut commands: Commands) {
     for (entity, mut asked) in &mut all {
         asked.frames += 1;
@@ -172,7 +175,7 @@ fn give_up(mut all: Query<(Entity, &mut Asked)>, mut commands: Commands) {
     }
 }
 
-/// Tells those that still wait for a screenshot that it is gone.
+/// Reports to the cameras of the waiting requests that the screenshot has failed.
 fn fail(
     gone: On<Remove, Asked>,
     mut all: Query<&mut Asked>,

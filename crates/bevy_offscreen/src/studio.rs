@@ -27,23 +27,22 @@ use crate::captured_image::CapturedImage;
 use crate::error::{CaptureError, MAX_SIDE, MOST_FRAMES};
 use crate::request::{CapturePlugin, Supersampling};
 
-/// What is nearer to a camera in perspective is not drawn, in the units of the app.
+/// The distance of the near plane of cameras in perspective, in the units of the app.
 #[cfg(feature = "render3d")]
 const NEAR: f32 = 0.02;
 
-/// Pixels from side to side that are drawn per pixel of a picture in three dimensions: as smooth as a driver's four
-/// samples, which take software many times as long.
+/// The number of pixels along each side that are drawn per pixel of a three-dimensional picture. The result
+/// is as smooth as that of four samples of the driver, which take a software renderer several times as long.
 #[cfg(feature = "render3d")]
 const SAMPLES: u32 = 2;
 
-/// Margin around an area, as a share of its size.
+/// The margin around an area on each side, as a fraction of its size.
 const MARGIN: f32 = 0.03;
 
-/// The name of the graphics card or software renderer, for instance Mesa's `llvmpipe`.
+/// Returns the name of the graphics card or of the software renderer, for instance Mesa's `llvmpipe`.
 ///
 /// # Errors
-/// [`CaptureError::NoRenderer`], which says what to install. Bevy's `RenderPlugin` would panic
-/// instead.
+/// Returns [`CaptureError::NoRenderer`], which says what to install, where Bevy's `RenderPlugin` would panic.
 pub fn find_renderer() -> Result<String, CaptureError> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends: wgpu::Backends::from_env().unwrap_or(wgpu::Backends::all()),
@@ -55,16 +54,19 @@ pub fn find_renderer() -> Result<String, CaptureError> {
     }
 }
 
-/// An app that draws into images, without a window or a display. Frames run only when asked for,
-/// and the app's time advances by [`Studio::set_frame_time`] per frame.
+/// An app that draws into images, without a window or a display.
+///
+/// Frames run only on request, and the time of the app advances per frame by the time of
+/// [`Studio::set_frame_time`].
 pub struct Studio {
     app: App,
     begun: bool,
 }
 
 impl Studio {
-    /// An app with Bevy's plugins for two-dimensional drawing, with the feature `render3d` also for three
-    /// dimensions, and [`CapturePlugin`]. More plugins can be added before the first frame.
+    /// Creates an app with Bevy's plugins for two-dimensional drawing, and for three-dimensional drawing if
+    /// the feature `render3d` is on, and with [`CapturePlugin`]. More plugins can be added before the first
+    /// frame.
     ///
     /// # Errors
     /// [`CaptureError::NoRenderer`].
@@ -94,7 +96,7 @@ impl Studio {
         ));
         #[cfg(feature = "render3d")]
         app.add_plugins((
-            // What lights show of themselves to who debugs them needs it.
+            // Bevy's plugin for lights draws gizmos for debugging.
             bevy::gizmos::GizmoPlugin,
             bevy::light::LightPlugin,
             bevy::pbr::PbrPlugin::default(),
@@ -105,12 +107,12 @@ impl Studio {
         Ok(studio)
     }
 
-    /// The Bevy app.
+    /// Returns the Bevy app.
     pub fn app(&mut self) -> &mut App {
         &mut self.app
     }
 
-    /// Sets how much the app's time advances per frame, whatever the clock says.
+    /// Sets the time by which the app advances per frame, independently of the clock.
     pub fn set_frame_time(&mut self, time: Duration) {
         self.app.insert_resource(TimeUpdateStrategy::ManualDuration(time));
     }
@@ -118,7 +120,7 @@ impl Studio {
     /// Runs and draws one frame.
     ///
     /// # Errors
-    /// A failure of the driver.
+    /// Returns an error if the driver fails.
     pub fn step(&mut self) -> Result<(), CaptureError> {
         if !self.begun {
             while self.app.plugins_state() == PluginsState::Adding {
@@ -138,10 +140,10 @@ impl Studio {
         Ok(())
     }
 
-    /// A camera that looks down on an area, which fits into the picture completely.
+    /// Spawns a camera that looks down on an area, all of which is visible in the picture.
     ///
     /// # Errors
-    /// A size that is out of range.
+    /// Returns an error if the size is out of range.
     pub fn camera(&mut self, area: Rect, size: UVec2) -> Result<Entity, CaptureError> {
         let target = self.target(size, 1)?;
         let [width, height] =
@@ -158,13 +160,14 @@ impl Studio {
         Ok(self.app.world_mut().spawn(camera).id())
     }
 
-    /// A camera in perspective that looks along -z of its pose, with +y up in the picture, as
-    /// [`Transform::looking_at`] makes it. The field of view is the angle from the bottom to the top of the picture in
-    /// radians. Its colours are compressed as [`Tonemapping::KhronosPbrNeutral`] does, which keeps those of materials.
+    /// Spawns a perspective camera that looks along -z of its pose, with +y up in the picture, as
+    /// [`Transform::looking_at`] defines it. The field of view is the angle from the bottom to the top of the
+    /// picture in radians. The camera uses [`Tonemapping::KhronosPbrNeutral`], which keeps the colours of
+    /// materials.
     ///
-    /// Four pixels are drawn per pixel of a picture, so its sides must be at most half of [`MAX_SIDE`]. That is how
-    /// [`Studio::picture`] and [`TakePicture`](crate::TakePicture) see the camera's image; other users of the image get
-    /// all pixels.
+    /// Four pixels are drawn per pixel of a picture, so the sides of a picture must be at most half of
+    /// [`MAX_SIDE`]. [`Studio::picture`] and [`TakePicture`](crate::TakePicture) average them. Other users of
+    /// the camera's image see all pixels.
     ///
     /// ```no_run
     /// # use bevy::prelude::*;
@@ -176,7 +179,7 @@ impl Studio {
     /// ```
     ///
     /// # Errors
-    /// A size, a field of view or a pose that is out of range.
+    /// Returns an error if the size, the field of view or the pose is out of range.
     #[cfg(feature = "render3d")]
     pub fn camera_3d(
         &mut self,
@@ -207,7 +210,7 @@ impl Studio {
         Ok(self.app.world_mut().spawn(camera).id())
     }
 
-    /// An image to draw into, for pictures of a size.
+    /// Creates an image to draw into, for pictures of a given size.
     fn target(&mut self, size: UVec2, samples: u32) -> Result<RenderTarget, CaptureError> {
         let largest = MAX_SIDE / samples;
         let sides = 1..=largest;
@@ -221,12 +224,13 @@ impl Studio {
         Ok(RenderTarget::Image(image.into()))
     }
 
-    /// The current picture of a camera. Extra frames are drawn for it, in which the app's time does
-    /// not advance. An inactive camera draws only for these, which saves time when many frames pass
-    /// per picture.
+    /// Returns the current picture of a camera.
+    ///
+    /// Extra frames are drawn for it, in which the time of the app does not advance. An inactive camera draws
+    /// only in these frames, which saves time if many frames pass per picture.
     ///
     /// # Errors
-    /// An entity that is not a camera, or a failure of the driver.
+    /// Returns an error if the entity is not a camera, or if the driver fails.
     pub fn picture(&mut self, camera: Entity) -> Result<CapturedImage, CaptureError> {
         let target = self.app.world().get_entity(camera).ok().filter(|c| c.contains::<Camera>());
         let found = target.and_then(|camera| {
@@ -247,13 +251,13 @@ impl Studio {
         picture
     }
 
-    /// Sets whether a camera is active; returns whether it was before.
+    /// Sets whether a camera is active, and returns whether it was active before.
     fn activate(&mut self, camera: Entity, active: bool) -> bool {
         let camera = self.app.world_mut().get_mut::<Camera>(camera);
         camera.is_some_and(|mut camera| std::mem::replace(&mut camera.is_active, active))
     }
 
-    /// The picture of an active camera, which is inactive afterwards.
+    /// Takes the picture of an active camera, which is inactive afterwards.
     fn take(
         &mut self,
         camera: Entity,
@@ -271,7 +275,7 @@ impl Studio {
             },
         );
         self.step()?;
-        // The image of that frame arrives during later ones, which need not be drawn.
+        // The image of that frame arrives in one of the next frames, which need not be drawn.
         self.activate(camera, false);
         for _ in 0..MOST_FRAMES {
             self.step()?;

@@ -6,12 +6,12 @@ use std::path::Path;
 
 use atomic_write_file::AtomicWriteFile;
 
-/// Begins a file that gets its name when it is committed. Where the path is a link, the file that it
-/// leads to is written.
+/// Starts a file that gets its name when it is committed. If the path is a symbolic link, the target of the
+/// link is written.
 ///
 /// # Errors
-/// When the path is a folder or a device, when the existing file is read-only, or when the system
-/// reports an error.
+/// Returns an error if the path is a folder or a device, if the existing file is read-only, or if the file
+/// system reports an error.
 pub(crate) fn create(path: &Path) -> io::Result<AtomicWriteFile> {
     let target = match fs::canonicalize(path) {
         Ok(target) => target,
@@ -25,7 +25,7 @@ pub(crate) fn create(path: &Path) -> io::Result<AtomicWriteFile> {
     if there.permissions().readonly() {
         return Err(io::Error::new(ErrorKind::PermissionDenied, "exists and is read-only"));
     }
-    // A file that may not be written may not be replaced either.
+    // A file without permission to write must not be replaced either.
     File::options().write(true).open(&target)?;
     AtomicWriteFile::open(target)
 }

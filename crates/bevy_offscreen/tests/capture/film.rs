@@ -18,7 +18,7 @@ fn picture(width: u32, height: u32, square: u32) -> CapturedImage {
     CapturedImage::of(&Image::new(size, TextureDimension::D2, data, format, usage)).unwrap()
 }
 
-/// Plays a film: every picture, and for how many hundredths of a second it is seen.
+/// Plays a film: returns each picture and how long it is shown, in hundredths of a second.
 fn play(path: &std::path::Path) -> Vec<(Vec<u8>, u16)> {
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
@@ -60,7 +60,7 @@ fn what_does_not_move_for_long_is_seen_as_long() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("film.gif");
     let mut film = Film::create(&path, 1.0).unwrap();
-    // A frame of a GIF is seen for 655 s at most.
+    // A frame of a GIF is shown for 655 s at most.
     for _ in 0..1500 {
         film.push(&picture(5, 5, 1)).unwrap();
     }

@@ -1,5 +1,5 @@
-//! Pictures and films. With the feature `render` also what is drawn without a window, which needs a graphics card, or
-//! Mesa's software Vulkan.
+//! Tests of pictures and films. With the feature `render` they include what is drawn without a window, which
+//! needs a graphics card or Mesa's software Vulkan.
 
 mod film;
 mod picture;

@@ -69,7 +69,8 @@ fn an_app_asks_for_pictures_of_its_cameras() {
     assert_eq!(answers[1..], [Ok(path.clone()), Ok(second.clone())]);
     assert_eq!(std::fs::read(path).unwrap(), std::fs::read(second).unwrap());
 
-    // A camera whose image is gone is answered as well, and one that draws nowhere.
+    // Requests for a camera whose image no longer exists, and for one that draws nowhere, are answered as
+    // well.
     let world = studio.app().world_mut();
     let gone = world.resource::<Assets<Image>>().reserve_handle();
     world.entity_mut(camera).insert(RenderTarget::Image(gone.into()));
