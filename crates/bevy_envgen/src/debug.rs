@@ -1,6 +1,6 @@
-//! Lines over worlds, for debugging.
+//! Gizmos over worlds, for debugging.
 //!
-//! These layers ignore what a person may see: colliders and rooms show the true world.
+//! The layers show the true world, including what a player is not meant to see.
 
 use bevy::gizmos::GizmoPlugin;
 use bevy::prelude::*;
@@ -13,25 +13,25 @@ use crate::environment::{GroundTruth, SpawnedOrigin};
 use crate::scenario::ScenarioRun;
 use crate::visuals::color;
 
-/// The gizmos of this crate, to set their line width and visibility in Bevy's `GizmoConfigStore`.
+/// The gizmo group of this crate. Bevy's `GizmoConfigStore` sets its line width and visibility.
 #[derive(GizmoConfigGroup, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Default, Debug, Clone)]
 pub struct EnvgenGizmos;
 
-/// The layers that are drawn; by default none.
+/// A resource that selects the layers to draw. By default no layer is drawn.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct DebugLayers {
     /// The outlines of all colliders.
     pub colliders: bool,
-    /// The graph of rooms: lines between rooms that a doorway joins, open or closed.
+    /// The graph of rooms: lines between rooms that a doorway connects, whether it is open or closed.
     pub rooms: bool,
-    /// The people of scenarios with the paths that they follow, and the leaves of doors.
+    /// The people of scenarios with their planned paths, and the leaves of doors.
     pub scenario: bool,
 }
 
 impl DebugLayers {
-    /// All layers.
+    /// Selects all layers.
     pub const ALL: DebugLayers = DebugLayers { colliders: true, rooms: true, scenario: true };
 }
 
@@ -43,21 +43,22 @@ const OPEN: Srgb = palette::SKY_BLUE;
 const CLOSED: Srgb = palette::VERMILION;
 const PERSON: Srgb = palette::ORANGE;
 
-/// Radius in metres of the mark of a room, and of a doorway to a hallway or the outside.
+/// The radius in metres of the circle at a room, and of the circle at a doorway to a hallway or to the
+/// outside.
 const NODE: f32 = 0.3;
 const WAY_OUT: f32 = 0.12;
 
-/// The systems that draw, in `PostUpdate` after transforms are propagated.
+/// The system set that draws the layers, in `PostUpdate` after transforms are propagated.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct DebugSystems;
 
-/// Exists if Bevy's plugin for gizmos is added.
+/// A resource that exists if Bevy's plugin for gizmos is added.
 #[derive(Resource)]
 struct Drawable;
 
-/// Draws the layers that [`DebugLayers`] switches on, with the gizmos of [`EnvgenGizmos`].
+/// Draws the layers that [`DebugLayers`] selects, with the gizmo group [`EnvgenGizmos`].
 ///
-/// Without Bevy's `GizmoPlugin`, which is one of the default ones, it draws nothing.
+/// It draws nothing without Bevy's `GizmoPlugin`, which is one of the default plugins.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvgenDebugPlugin;
 
@@ -91,7 +92,7 @@ impl Plugin for EnvgenDebugPlugin {
     }
 }
 
-/// Whether a layer is switched on.
+/// A run condition that is true if a layer is selected.
 fn on(layer: fn(&DebugLayers) -> bool) -> impl Fn(Res<DebugLayers>) -> bool + Clone {
     move |layers| layer(&layers)
 }
@@ -101,11 +102,11 @@ fn on(layer: fn(&DebugLayers) -> bool) -> impl Fn(Res<DebugLayers>) -> bool + Cl
 struct Link {
     doorway: DVec2,
     open: bool,
-    /// The centres of the rooms that it joins.
+    /// The centres of the rooms that the doorway connects.
     rooms: [Option<DVec2>; 2],
 }
 
-/// The edges of the graph of rooms.
+/// Returns the edges of the graph of rooms.
 fn links(world: &EnvgenWorld) -> impl Iterator<Item = Link> + '_ {
     let middle = |room: Option<u32>| {
         world.rooms.get(room? as usize).map(|room| room.shape.bounds().center())
@@ -117,7 +118,7 @@ fn links(world: &EnvgenWorld) -> impl Iterator<Item = Link> + '_ {
     })
 }
 
-/// Draws lines between rooms that doorways join.
+/// Draws lines between rooms that doorways connect.
 fn draw_rooms(
     worlds: Query<(&SpawnedOrigin, &GroundTruth, &GlobalTransform)>,
     mut gizmos: Gizmos<EnvgenGizmos>,
@@ -142,7 +143,7 @@ fn draw_rooms(
     }
 }
 
-/// Draws people, their paths, and leaves.
+/// Draws people, their paths, and the leaves of doors.
 fn draw_scenarios(
     runs: Query<(&ScenarioRun, &SpawnedOrigin, &GlobalTransform)>,
     mut gizmos: Gizmos<EnvgenGizmos>,
@@ -181,11 +182,11 @@ fn draw_colliders(
     }
 }
 
-/// Corners of a circle.
+/// The number of corners with which a circle is drawn.
 #[cfg(feature = "physics")]
 const CIRCLE: u32 = 24;
 
-/// Calls back with every edge of a shape, in its own frame. Shapes that neither this crate nor
+/// Calls `edge` with every edge of a shape, in the frame of the shape. Shapes that neither this crate nor
 /// robots use are drawn as their bounding boxes.
 #[cfg(feature = "physics")]
 fn outline(shape: &dyn bevy_rapier2d::parry::shape::Shape, edge: &mut dyn FnMut(Vec2, Vec2)) {

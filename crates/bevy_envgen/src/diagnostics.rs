@@ -1,4 +1,4 @@
-//! Bevy diagnostics: counts of parts and tiles, and the time that they cost.
+//! Bevy diagnostics with the numbers of parts and tiles, and the time that they take.
 
 use bevy::diagnostic::{
     Diagnostic, DiagnosticMeasurement, DiagnosticPath, Diagnostics, DiagnosticsStore,
@@ -11,24 +11,23 @@ use crate::part::PartId;
 use crate::spawn::{Tile, TileSolids};
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
-/// Measures the worlds of an app as Bevy diagnostics, for `LogDiagnosticsPlugin` and similar
-/// plugins.
+/// Adds Bevy diagnostics about the worlds of an app, which `LogDiagnosticsPlugin` and similar plugins show.
 ///
-/// Not in the group [`EnvgenPlugins`](crate::EnvgenPlugins), because it counts parts in every
-/// frame. Add it after the group.
+/// It is not in the group [`EnvgenPlugins`](crate::EnvgenPlugins), because it counts parts in every frame.
+/// Add it after the group.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvgenDiagnosticsPlugin;
 
 impl EnvgenDiagnosticsPlugin {
-    /// Number of spawned parts, entities and data, of all environments.
+    /// The number of spawned parts of all environments, both entities and data of tiles.
     pub const PARTS: DiagnosticPath = DiagnosticPath::const_new("envgen/parts");
-    /// Number of spawned tiles.
+    /// The number of spawned tiles.
     pub const TILES: DiagnosticPath = DiagnosticPath::const_new("envgen/tiles");
-    /// Time in milliseconds that the generator took for a world, measured when its parts are
+    /// The time in milliseconds that the generator took for a world, measured when the parts of the world are
     /// spawned.
     pub const GENERATION_TIME: DiagnosticPath = DiagnosticPath::const_new("envgen/generation_time");
-    /// Time in milliseconds per frame that the streaming of all environments took; not measured
-    /// while no environment is streamed.
+    /// The time in milliseconds per frame that streaming took for all environments. It is not measured while
+    /// no environment is streamed.
     pub const STREAMING_TIME: DiagnosticPath = DiagnosticPath::const_new("envgen/streaming_time");
 }
 
@@ -58,7 +57,7 @@ fn count(
     diagnostics.add_measurement(&EnvgenDiagnosticsPlugin::TILES, || tiles.iter().len() as f64);
 }
 
-/// Adds a measurement, if the plugin is added and the diagnostic enabled.
+/// Adds a measurement if the diagnostic exists and is enabled.
 pub(crate) fn measure(world: &mut World, path: &DiagnosticPath, value: f64) {
     let Some(mut store) = world.get_resource_mut::<DiagnosticsStore>() else { return };
     if let Some(diagnostic) = store.get_mut(path).filter(|diagnostic| diagnostic.is_enabled) {

@@ -1,4 +1,4 @@
-//! The difficulty vector of an environment's world, on request.
+//! Computes the difficulty vector of an environment's world on request.
 
 use std::sync::Arc;
 
@@ -13,14 +13,14 @@ use envgen::difficulty::{DifficultyError, DifficultyVector, Platform};
 
 use crate::environment::GroundTruth;
 
-/// Requests the difficulty vector of an environment's world: numbers that state how hard it is to map for a
-/// robot and its laser.
+/// A component that requests the difficulty vector of an environment's world: numbers that describe how hard
+/// it is to map the world with a given robot and laser.
 ///
-/// Add it to the entity of the [`Environment`](crate::Environment). A background task computes the vector, in some
-/// tens of milliseconds for an indoor map; then [`EnvironmentDifficulty`] is on the entity, or
-/// [`DifficultyFailure`], and [`DifficultyComputed`] is triggered on it and written as a message. It is computed
-/// again when the world or this component changes. Removing this component removes the results. Endless worlds have no
-/// difficulty.
+/// Add it to the entity of the [`Environment`](crate::Environment). A background task computes the vector,
+/// which takes some tens of milliseconds for an indoor map. Then [`EnvironmentDifficulty`] or
+/// [`DifficultyFailure`] is inserted on the entity, and [`DifficultyComputed`] is triggered on it and written
+/// as a message. The vector is computed again when the world or this component changes. Removing this
+/// component removes the results. Endless worlds have no difficulty.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -50,13 +50,14 @@ pub struct ComputeDifficulty {
 }
 
 impl ComputeDifficulty {
-    /// For a robot and its laser.
+    /// Requests the difficulty for a given robot and its laser.
     pub fn new(platform: Platform) -> Self {
         ComputeDifficulty { platform: PlatformValue(platform) }
     }
 }
 
-/// A robot and its laser as a value that scenes can hold, serialized as [`Platform`].
+/// A [`Platform`] (a robot and its laser) as a value of a component. Scenes serialize it as the platform
+/// itself.
 #[derive(Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
@@ -64,25 +65,26 @@ impl ComputeDifficulty {
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub struct PlatformValue(pub Platform);
 
-/// The difficulty of an environment's world, on its entity; see [`ComputeDifficulty`]. Scenes do not hold it: it
-/// is computed again.
+/// A component with the difficulty of an environment's world, on the entity of the environment; see
+/// [`ComputeDifficulty`]. Scenes do not hold it, since it is computed again.
 #[derive(Component, Clone, Debug, PartialEq)]
 #[component(clone_behavior = Ignore)]
 pub struct EnvironmentDifficulty {
     /// The difficulty vector.
     pub vector: DifficultyVector,
-    /// The dials that the calibration predicts from it: for kinds that are calibrated, and the default platform.
+    /// The dials that the calibration predicts from the vector, if the kind of world is calibrated and the
+    /// platform is the default one.
     pub prediction: Option<Prediction>,
 }
 
-/// Why the world of an environment has no difficulty vector; see [`ComputeDifficulty`]. On its entity until a
-/// vector is computed.
+/// A component with the reason why the world of an environment has no difficulty vector; see
+/// [`ComputeDifficulty`]. It is on the entity of the environment until a vector is computed.
 #[derive(Component, Clone, Debug, PartialEq, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct DifficultyFailure(pub DifficultyError);
 
-/// Triggered on an environment, and written as a message, when its [`EnvironmentDifficulty`] is computed, or its
-/// [`DifficultyFailure`].
+/// An event that is triggered on an environment, and written as a message, when its [`EnvironmentDifficulty`]
+/// or its [`DifficultyFailure`] is available.
 #[derive(EntityEvent, Message, Clone, Debug)]
 pub struct DifficultyComputed {
     /// The environment.
@@ -91,12 +93,12 @@ pub struct DifficultyComputed {
 
 type Outcome = Result<EnvironmentDifficulty, DifficultyError>;
 
-/// The computation, while it runs.
+/// The running computation.
 #[derive(Component, Default)]
 #[component(clone_behavior = Ignore)]
 pub(crate) struct DifficultyTask {
     running: Option<Task<Outcome>>,
-    /// The request that is, or was, computed.
+    /// The request that is being computed, or was computed last.
     asked: Option<ComputeDifficulty>,
 }
 
@@ -104,13 +106,13 @@ pub(crate) struct DifficultyTask {
 type Requested =
     (Entity, &'static ComputeDifficulty, Ref<'static, GroundTruth>, &'static mut DifficultyTask);
 
-/// Either of them is new.
+/// A filter for environments of which the request or the world has changed.
 type Renewed = Or<(Changed<ComputeDifficulty>, Changed<GroundTruth>)>;
 
-/// Starts to compute where the request or the world has changed.
+/// Starts a computation for each environment whose request or world has changed.
 pub(crate) fn request(mut environments: Query<Requested, Renewed>, mut commands: Commands) {
     for (entity, request, truth, mut task) in &mut environments {
-        // A request that is written again as it was changes nothing.
+        // A request that is written with the same value needs no new computation.
         if task.asked.as_ref() == Some(request) && !truth.is_changed() {
             continue;
         }
@@ -129,7 +131,7 @@ fn compute(world: &World, platform: &Platform) -> Outcome {
     Ok(EnvironmentDifficulty { vector, prediction })
 }
 
-/// Adds the results of finished tasks, and reports them.
+/// Inserts and reports the results of finished tasks.
 pub(crate) fn collect(
     mut environments: Query<(Entity, &mut DifficultyTask)>,
     mut commands: Commands,
@@ -157,7 +159,7 @@ pub(crate) fn collect(
     }
 }
 
-/// Removes the results of a world that is gone.
+/// Removes the results when the world is removed.
 fn lose_world(
     removed: On<Remove, GroundTruth>,
     tasks: Query<&mut DifficultyTask>,
@@ -166,7 +168,7 @@ fn lose_world(
     clear(removed.entity, tasks, commands);
 }
 
-/// Removes results that are no longer requested.
+/// Removes the results when the request is removed.
 fn lose_request(
     removed: On<Remove, ComputeDifficulty>,
     tasks: Query<&mut DifficultyTask>,

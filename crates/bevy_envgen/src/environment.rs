@@ -1,4 +1,4 @@
-//! The component that asks for a world, and its result.
+//! The component that requests a world, and the components and events with its result.
 
 use std::sync::Arc;
 
@@ -11,20 +11,20 @@ use envgen::world::Violation;
 use envgen::{GenerateError, World, WorldKind, WorldSpec};
 use thiserror::Error;
 
-/// Asks for a world on this entity: a spec and a seed.
+/// A component that requests a world on its entity, from a spec and a seed.
 ///
-/// The parts are spawned below the entity, so that its [`Transform`] moves and turns them, and
-/// [`EnvironmentReady`] or [`EnvironmentFailed`] is triggered on it and written as a message. Changing
-/// the component, or the asset behind it, rebuilds the world; the old world is kept until the new
-/// one is ready. Removing the component, or despawning the entity, removes everything.
+/// The parts are spawned as descendants of the entity, so that its [`Transform`] moves and rotates them. Then
+/// [`EnvironmentReady`] or [`EnvironmentFailed`] is triggered on the entity and written as a message.
+/// Changing this component, or the asset that it refers to, rebuilds the world. The old world is kept until
+/// the new one is ready. Removing this component, or despawning the entity, removes everything.
 ///
-/// With the feature `serialize` a Bevy scene can hold this component. The other components of the
-/// entity and its tiles need not be in the scene: they are rebuilt where the scene is loaded, and
-/// also for a clone of the entity.
+/// With the feature `serialize` a Bevy scene can hold this component. The scene need not hold the other
+/// components of the entity, or its tiles: they are rebuilt when the scene is spawned, and also when the
+/// entity is cloned.
 ///
-/// Units are metres, x right and y up in the entity's frame. A scale other than 1 resizes the whole
-/// world, but for the heights that decide what stops bodies and lasers: see [`HeightRange`](crate::HeightRange).
-/// It must be positive and the same along x and y.
+/// The world is in metres, with x to the right and y up in the frame of the entity. A scale other than 1
+/// scales the whole world, except for the heights that decide which bodies and lasers a part stops; see
+/// [`HeightRange`](crate::HeightRange). The scale must be positive, and the same along x and y.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -45,36 +45,36 @@ use thiserror::Error;
 #[reflect(Component, Debug, PartialEq, Clone)]
 #[require(EnvironmentState, Transform)]
 pub struct Environment {
-    /// The spec, the file or the finished world.
+    /// The source of the world: a spec, a file with a spec, or a finished world.
     pub source: WorldSource,
-    /// Determines everything random. Unused for a world that exists already.
+    /// The seed of everything random. It is not used for a world that already exists.
     pub seed: u64,
-    /// Whether generation blocks the schedule or runs as a background task.
+    /// Whether generation blocks the schedule or runs in a background task.
     pub pace: GenerationMode,
     /// Whether the world is finite or endless.
     pub extent: EnvironmentExtent,
-    /// The point of the world, in metres, at the entity's own origin. Single precision resolves a
-    /// millimetre up to 8 km from it.
+    /// The point of the world, in metres, that is placed at the origin of the entity. Single precision
+    /// resolves a millimetre up to 8 km from this point.
     pub origin: DVec2,
-    /// Whether each wall, tree and obstacle is an entity.
+    /// Whether each wall, tree and obstacle is an entity of its own.
     pub solids: SolidStorage,
 }
 
-/// Where a world comes from.
+/// The source of a world.
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[reflect(Debug, PartialEq, Clone)]
 #[non_exhaustive]
 pub enum WorldSource {
-    /// A spec, from which a world is generated with the seed.
+    /// A spec, from which the world is generated with the seed.
     Spec(SourceSpec),
     /// A spec in a file such as `hall.envgen.ron`.
     #[cfg(feature = "asset")]
     Asset(Handle<crate::asset::file::WorldAsset>),
-    /// A world that exists already.
+    /// A world that already exists.
     World(SourceWorld),
 }
 
-/// A spec as a value that scenes can hold, serialized as [`WorldSpec`].
+/// A spec as a value of a component. Scenes serialize it as [`WorldSpec`].
 #[derive(Clone, Debug, PartialEq, Deref, DerefMut, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
@@ -82,7 +82,7 @@ pub enum WorldSource {
 #[reflect(Debug, PartialEq, Clone)]
 pub struct SourceSpec(pub Box<WorldSpec>);
 
-/// A world as a value that scenes can hold, serialized as [`World`].
+/// A world as a value of a component. Scenes serialize it as [`World`].
 #[derive(Clone, Debug, PartialEq, Deref, Reflect)]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[reflect(opaque)]
@@ -103,17 +103,17 @@ impl<'de> serde::Deserialize<'de> for SourceWorld {
     }
 }
 
-/// Whether generation blocks the schedule or runs as a background task.
+/// Whether generation blocks the schedule or runs in a background task.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum GenerationMode {
-    /// Blocks for worlds that take about a frame or less, by the spec's own estimate, and runs in
-    /// the background for others.
+    /// Blocks for worlds that take about a frame or less, as estimated from the spec, and runs in the
+    /// background for all others.
     #[default]
     Auto,
-    /// Blocks: the world is ready in the same frame.
+    /// Blocks the schedule, so that the world is ready in the same frame.
     Blocking,
-    /// Runs as a task of the pool for long computations.
+    /// Runs as a task of Bevy's `AsyncComputeTaskPool`.
     Async,
 }
 
@@ -121,14 +121,14 @@ pub enum GenerationMode {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum EnvironmentExtent {
-    /// It is finite.
+    /// The world is finite.
     #[default]
     Finite,
-    /// It is endless. Only forests can be endless, and only around the anchor of a
-    /// [`StreamAround`](crate::StreamAround).
+    /// The world is endless. Only forests can be endless, and only with a
+    /// [`StreamAround`](crate::StreamAround), around whose anchor they are spawned.
     Endless {
-        /// Side of a tile in metres. The world depends on it: another side gives another forest for
-        /// the same seed.
+        /// The side of a tile in metres. It is part of the definition of the world: with the same seed,
+        /// another side gives another forest.
         tile: f64,
     },
 }
@@ -137,28 +137,29 @@ pub enum EnvironmentExtent {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum SolidStorage {
-    /// Each is an entity, with the component of its kind.
+    /// Each solid part is an entity with the component of its kind.
     #[default]
     Entities,
-    /// They are data of their tile, in [`TileSolids`](crate::TileSolids), for static worlds of
-    /// 100,000 parts and more: Bevy's systems visit every entity with a [`Transform`] in every
-    /// frame, but none of these. Their colliders are always merged.
+    /// Solid parts are data of their tile, in the component [`TileSolids`](crate::TileSolids). This is for
+    /// static worlds with 100,000 parts and more, since Bevy visits every entity with a [`Transform`] in
+    /// every frame. The colliders of these parts are always merged.
     TileData,
 }
 
 impl Environment {
-    /// The world of a spec, such as a `HallwaySpec` or a [`WorldSpec`], and a seed.
+    /// Creates a request for the world of a spec, such as a `HallwaySpec` or a [`WorldSpec`], and a seed.
     pub fn new(spec: impl Into<WorldSpec>, seed: u64) -> Self {
         Self::of(WorldSource::Spec(SourceSpec(Box::new(spec.into()))), seed)
     }
 
-    /// The world of a spec in a file and a seed.
+    /// Creates a request for the world of a spec in a file, and a seed.
     #[cfg(feature = "asset")]
     pub fn from_asset(spec: Handle<crate::asset::file::WorldAsset>, seed: u64) -> Self {
         Self::of(WorldSource::Asset(spec), seed)
     }
 
-    /// A world that exists already: composed, edited or read from a file.
+    /// Creates a request for a world that already exists, such as one that was composed, edited or read from
+    /// a file.
     pub fn prebuilt(world: impl Into<Arc<World>>) -> Self {
         Self::of(WorldSource::World(SourceWorld(world.into())), 0)
     }
@@ -169,23 +170,23 @@ impl Environment {
         Environment { source, seed, pace, extent, origin: DVec2::ZERO, solids }
     }
 
-    /// The same, but endless, in square tiles of `tile` metres: see [`EnvironmentExtent::Endless`].
+    /// Makes the world endless, in square tiles of `tile` metres; see [`EnvironmentExtent::Endless`].
     pub fn endless(self, tile: f64) -> Self {
         Environment { extent: EnvironmentExtent::Endless { tile }, ..self }
     }
 
-    /// The same with another generation mode.
+    /// Sets the generation mode.
     pub fn with_pace(self, pace: GenerationMode) -> Self {
         Environment { pace, ..self }
     }
 
-    /// The same with another point of the world at the entity's origin.
+    /// Sets the point of the world that is placed at the origin of the entity.
     pub fn with_origin(self, origin: DVec2) -> Self {
         Environment { origin, ..self }
     }
 
-    /// The same with an origin near a world: its middle where it reaches farther than 8 km from zero, up to which
-    /// single precision tells millimetres apart, otherwise zero.
+    /// Sets the origin to the centre of a world that extends farther than 8 km from zero, beyond which single
+    /// precision does not resolve millimetres, and to zero for all other worlds.
     pub fn with_origin_near(self, world: &World) -> Self {
         const FAR: f64 = 8192.0;
         let WorldRect { min, max } = world.bounds;
@@ -194,19 +195,20 @@ impl Environment {
         self.with_origin(origin)
     }
 
-    /// The same with walls, trees and obstacles as entities or as data of their tiles.
+    /// Sets whether walls, trees and obstacles are entities or data of their tiles.
     pub fn with_solids(self, solids: SolidStorage) -> Self {
         Environment { solids, ..self }
     }
 
-    /// A point of the world, in metres, in the space of the app, where `frame` is the entity's
-    /// [`GlobalTransform`].
+    /// Converts a point of the world in metres to global coordinates of the app. `frame` is the
+    /// [`GlobalTransform`] of the entity.
     pub fn point_in_app(&self, frame: &GlobalTransform, point: DVec2) -> Vec2 {
         SpawnedOrigin(self.origin).point_in_app(frame, point)
     }
 
-    /// The smallest rectangle of the app's space around an area of the world: for the bounds of its
-    /// [`GroundTruth`], what a camera must show so that the whole world is visible.
+    /// Returns the smallest axis-aligned rectangle, in global coordinates of the app, around an area of the
+    /// world. For the bounds of the [`GroundTruth`], this is what a camera must show to make the whole world
+    /// visible.
     pub fn area_in_app(&self, frame: &GlobalTransform, area: WorldRect) -> Rect {
         let corners = Shape::from_rect(area).corners();
         let mut corners = corners.into_iter().map(|corner| self.point_in_app(frame, corner));
@@ -214,88 +216,87 @@ impl Environment {
         corners.fold(Rect::from_corners(first, first), |area, p| area.union_point(p))
     }
 
-    /// How its parts are laid out.
+    /// Returns how the parts are laid out.
     pub(crate) fn layout(&self) -> TileLayout {
         TileLayout { origin: self.origin, solids: self.solids }
     }
 }
 
-/// How the parts of an environment are laid out below it.
+/// How the parts of an environment are laid out below its entity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TileLayout {
     pub(crate) origin: DVec2,
     pub(crate) solids: SolidStorage,
 }
 
-/// The state of an environment's world.
+/// A component with the state of an environment's world.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[component(clone_behavior = Ignore)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub enum EnvironmentState {
-    /// Generation has not started, or the asset is not loaded.
+    /// Generation has not started, or the asset is not loaded yet.
     #[default]
     Waiting,
     /// The generator is running.
     Generating,
     /// The first tiles around the anchor are being spawned.
     Streaming,
-    /// All parts, or all tiles around the anchor, are spawned.
+    /// All parts are spawned, or in a streamed world all tiles around the anchor.
     Ready,
-    /// Generation failed; a previous world, if any, is kept: see [`EnvironmentFailure`].
+    /// Generation failed; see [`EnvironmentFailure`]. The previous world, if any, is kept.
     Failed,
 }
 
-/// Why the world of an environment could not be made. On its entity until a world is ready; scenes
-/// do not hold it.
+/// A component with the reason why the world of an environment could not be made. It is on the entity of the
+/// environment until a world is ready. Scenes do not hold it.
 #[derive(Component, Clone, Debug, PartialEq, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct EnvironmentFailure(pub EnvironmentError);
 
-/// Triggered on an environment, and written as a message, when its world is ready: the first time
-/// and after every change.
+/// An event that is triggered on an environment, and written as a message, when its world is ready: once at
+/// first, and again after every change.
 ///
-/// The [`GlobalTransform`]s of all spawned parts are correct by then, even before Bevy propagates
-/// transforms. The poses of the start and the goal are in
-/// [`EnvironmentLandmarks`](crate::EnvironmentLandmarks).
+/// The [`GlobalTransform`]s of all spawned parts are already correct at that time, before Bevy propagates
+/// transforms. [`EnvironmentLandmarks`](crate::EnvironmentLandmarks) has the poses of the start and the goal.
 #[derive(EntityEvent, Message, Clone, Debug)]
 pub struct EnvironmentReady {
     /// The environment.
     pub entity: Entity,
 }
 
-/// Triggered on an environment, and written as a message, when its world cannot be made. A previous
-/// world is kept. The error is also stored on the entity: see [`EnvironmentFailure`].
+/// An event that is triggered on an environment, and written as a message, when its world cannot be made. The
+/// previous world is kept. The error is also stored on the entity; see [`EnvironmentFailure`].
 #[derive(EntityEvent, Message, Clone, Debug)]
 pub struct EnvironmentFailed {
     /// The environment.
     pub entity: Entity,
-    /// Why.
+    /// The error.
     pub error: EnvironmentError,
 }
 
-/// Trigger it on an environment to rebuild its world although nothing changed.
+/// An event that rebuilds the world of the environment on which it is triggered, even if nothing has changed.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct RebuildEnvironment {
     /// The environment.
     pub entity: Entity,
 }
 
-/// Why a world cannot be made.
+/// An error that prevents the world of an environment.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EnvironmentError {
     /// The spec is invalid, or no world of this seed satisfies it.
     #[error(transparent)]
     Generate(#[from] GenerateError),
-    /// The world that was passed in breaks an invariant.
+    /// The given world violates an invariant.
     #[error("the world is invalid: {0}")]
     Broken(#[from] Violation),
     /// The file of the spec could not be loaded.
     #[error("{path} cannot be loaded: {reason}")]
     Asset {
-        /// The file.
+        /// The path of the file.
         path: String,
-        /// What is wrong with it.
+        /// The reason why it cannot be loaded.
         reason: String,
     },
     /// The asset of the spec was removed.
@@ -307,18 +308,18 @@ pub enum EnvironmentError {
     /// The kind of world cannot be endless.
     #[error("a world of kind `{0}` cannot be endless, only one of kind `forest` can")]
     NotEndless(WorldKind),
-    /// A world that exists already cannot be endless.
+    /// A world that already exists cannot be endless.
     #[error("a world that exists already cannot be endless")]
     Existing,
-    /// An endless world is not streamed.
+    /// An endless world is not streamed: its entity has no `StreamAround`.
     #[error("an endless world needs the component `StreamAround`")]
     NoAnchor,
     /// A field of the component [`StreamAround`](crate::StreamAround) is out of range.
     #[error("`{field}` of `StreamAround` must be {allowed}, got {value}")]
     Stream {
-        /// The field.
+        /// The name of the field.
         field: &'static str,
-        /// Its value.
+        /// The value of the field.
         value: f64,
         /// The allowed range.
         allowed: String,
@@ -326,63 +327,64 @@ pub enum EnvironmentError {
     /// The origin is not finite.
     #[error("the origin must be finite, got {0}")]
     Origin(DVec2),
-    /// There are too many parts to be spawned at once.
+    /// There are too many parts to spawn at once.
     #[error(
         "the world has {parts} parts, but at most {limit} can be spawned at once; add `StreamAround`"
     )]
     TooMany {
-        /// Parts of the world.
+        /// The number of parts of the world.
         parts: usize,
-        /// The maximum: [`MAX_PARTS`](crate::MAX_PARTS).
+        /// The largest allowed number: [`MAX_PARTS`](crate::MAX_PARTS).
         limit: usize,
     },
-    /// The transform of the entity, combined with its ancestors', is not one of a flat world.
+    /// The global transform of the entity does not keep the world flat.
     #[error("the {what} of the transform must be {allowed}, got {value}")]
     Transform {
         /// The property of the transform, such as `scale`.
         what: &'static str,
-        /// Its value.
+        /// The value of the property.
         value: Vec3,
         /// The allowed values.
         allowed: &'static str,
     },
 }
 
-/// The exact world that is spawned, on the entity of its [`Environment`]: geometry, certificate and
-/// provenance. While nothing is spawned, the component is absent. It is not reflected, so scenes do
-/// not hold it: it is generated again.
+/// A component with the exact world that is spawned: geometry, certificate and provenance. It is on the
+/// entity of the [`Environment`] while a world is spawned. It is not reflected, so scenes do not hold it: the
+/// world is generated again.
 #[derive(Component, Clone, Debug, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct GroundTruth(pub Arc<World>);
 
-/// The point of the world that is spawned at the entity's origin, in metres, on the entity of its [`Environment`].
-/// [`Environment::origin`] is that of the next world while that is generated, or if it failed. It is not reflected, as
-/// [`GroundTruth`].
+/// A component with the point of the spawned world, in metres, that is at the origin of the entity, on the
+/// entity of its [`Environment`]. While another world is generated, or after that has failed,
+/// [`Environment::origin`] may differ, since it is the origin of the requested world. Like [`GroundTruth`],
+/// it is not reflected.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[component(clone_behavior = Ignore)]
 pub struct SpawnedOrigin(pub DVec2);
 
 impl SpawnedOrigin {
-    /// As [`Environment::point_in_app`], of the world that is spawned.
+    /// Works as [`Environment::point_in_app`], for the world that is spawned.
     pub fn point_in_app(self, frame: &GlobalTransform, point: DVec2) -> Vec2 {
         frame.transform_point((point - self.0).as_vec2().extend(0.0)).truncate()
     }
 }
 
-/// The endless forest that is streamed, on the entity of its [`Environment`]. It is not reflected,
-/// so scenes do not hold it: it is generated again.
+/// A component with the endless forest that is streamed, on the entity of its [`Environment`]. It is not
+/// reflected, so scenes do not hold it: the forest is generated again.
 #[derive(Component, Clone, Debug, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct EndlessTruth(pub Arc<envgen::forest::EndlessForest>);
 
-/// The size of the spawned world, on the entity of its [`Environment`].
+/// A component with the size of the spawned world, on the entity of its [`Environment`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[component(clone_behavior = Ignore)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct EnvironmentStats {
-    /// Number of parts of the whole world; `None` for an endless one.
+    /// The number of parts of the whole world, or `None` for an endless one.
     pub parts: Option<usize>,
-    /// Number of solid parts of the whole world; `None` for an endless one.
+    /// The number of solid parts of the whole world, or `None` for an endless one.
     pub solids: Option<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! From a request to a spawned world: the systems of [`EnvgenCorePlugin`](crate::EnvgenCorePlugin).
+//! The systems of [`EnvgenCorePlugin`](crate::EnvgenCorePlugin), which generate and spawn requested worlds.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -22,10 +22,10 @@ use crate::plan::{Plan, size};
 use crate::spawn::{Tile, spawn_page};
 use crate::streaming::{StreamAround, Streaming};
 
-/// The most parts that are spawned at once; larger worlds must be streamed.
+/// The largest number of parts that are spawned at once. Larger worlds must be streamed.
 pub const MAX_PARTS: usize = 2_000_000;
 
-/// [`GenerationMode::Auto`] blocks for specs of at most this much work: parts, cells or points,
+/// The largest amount of work for which [`GenerationMode::Auto`] blocks. The unit is one part, cell or point,
 /// each of which takes a fraction of a microsecond.
 const IN_PLACE_WORK: f64 = 1e4;
 
@@ -38,19 +38,19 @@ type Requested = (
     &'static mut EnvironmentState,
 );
 
-/// Starts a job for every environment that changed.
+/// Starts a job for every environment that has changed.
 pub(crate) fn request_worlds(
     mut environments: Query<Requested>,
     #[cfg(feature = "asset")] assets: Option<Res<Assets<crate::asset::WorldAsset>>>,
 ) {
     for (entity, environment, stream, mut slot, mut state) in &mut environments {
-        // Endless worlds have tiles of their own.
+        // The tiles of an endless world are defined by its extent.
         let tile = stream.map(|stream| match environment.extent {
             EnvironmentExtent::Endless { .. } => 0.0,
             EnvironmentExtent::Finite => stream.tile,
         });
         let waits = matches!(slot.job, Job::Asset);
-        // Compared by bits, so that a NaN side is refused once and not in every frame.
+        // Sides are compared by bits, so that a side of NaN is rejected once and not in every frame.
         let bits = |tile: Option<f64>| tile.map(f64::to_bits);
         let same_tile = slot.asked.as_ref().is_some_and(|asked| bits(asked.tile) == bits(tile));
         if !(environment.is_changed() || slot.stale || waits || !same_tile) {
@@ -109,7 +109,7 @@ pub(crate) fn request_worlds(
     }
 }
 
-/// Generates a world and sorts its parts into tiles. The only step that may take long.
+/// Generates a world and sorts its parts into tiles. No other step may take long.
 fn make(ask: &Request, spec: Option<WorldSpec>) -> Outcome {
     let start = Instant::now();
     let result = try_make(ask, spec);
@@ -174,7 +174,7 @@ pub(crate) fn poll_tasks(mut slots: Query<&mut GenerationJob>) {
     }
 }
 
-/// Replaces the previous world by the generated one.
+/// Replaces the previous worlds by the generated ones.
 pub(crate) fn spawn_worlds(
     world: &mut World,
     slots: &mut QueryState<(Entity, &mut GenerationJob)>,
@@ -207,7 +207,7 @@ pub(crate) fn spawn_worlds(
     }
 }
 
-/// Spawns the generated world, or leaves that to streaming.
+/// Spawns a generated world, or prepares it for streaming.
 fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made: &Generated) {
     clear(world, entity);
     propagate(world, entity, *global);
@@ -248,7 +248,7 @@ fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made
             spawned_tiles.tiles.insert(key, spawned);
         }
     }
-    // An observer of its tiles may have despawned or removed the environment.
+    // An observer of a tile may have despawned the entity or removed its environment.
     if let Ok(mut root) = world.get_entity_mut(entity)
         && root.contains::<Environment>()
     {
@@ -257,8 +257,8 @@ fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made
     }
 }
 
-/// Despawns everything that was spawned below an environment, and nothing else. This includes tiles
-/// that came out of a scene or as clones together with the environment.
+/// Despawns all tiles below an environment, and nothing else. This includes tiles that were spawned from a
+/// scene, or cloned, together with the environment.
 pub(crate) fn clear(world: &mut World, entity: Entity) {
     let mut tiles: Vec<Entity> = match world.get_mut::<SpawnedTiles>(entity) {
         Some(mut spawned_tiles) => {
@@ -275,7 +275,7 @@ pub(crate) fn clear(world: &mut World, entity: Entity) {
     }
 }
 
-/// Despawns an environment's world until its transform is valid again.
+/// Despawns the world of an environment until the transform of the environment is valid again.
 fn suspend(world: &mut World, entity: Entity) {
     clear(world, entity);
     crate::scenario::remove(world, entity);
@@ -285,8 +285,8 @@ fn suspend(world: &mut World, entity: Entity) {
     }
 }
 
-/// Suspends environments whose transform is no longer valid for a flat world, and requests those
-/// again whose transform is valid again.
+/// Suspends environments whose transform has become invalid for a flat world, and requests suspended worlds
+/// again when their transform has become valid.
 pub(crate) fn watch_transforms(
     mut environments: Query<
         (Entity, &GlobalTransform, &mut GenerationJob, &mut EnvironmentState, &SpawnedTiles),
@@ -301,7 +301,7 @@ pub(crate) fn watch_transforms(
                 notices.push(entity, Err(error));
                 commands.queue(move |world: &mut World| suspend(world, entity));
             }
-            // Once: a transform that changes in every frame would begin a task again each time.
+            // Only once, since a transform that changes in every frame would otherwise start a task in each.
             (Ok(()), true) if matches!(slot.job, Job::Idle) && !slot.stale => {
                 slot.stale = true;
                 *state = EnvironmentState::Waiting;
@@ -311,7 +311,7 @@ pub(crate) fn watch_transforms(
     }
 }
 
-/// Reports environments that became ready or failed.
+/// Reports the environments that have become ready or have failed.
 pub(crate) fn notify(world: &mut World) {
     let notices = std::mem::take(&mut world.get_resource_or_init::<PendingEvents>().0);
     for (entity, notice) in notices {
@@ -340,7 +340,7 @@ pub(crate) fn notify(world: &mut World) {
     }
 }
 
-/// Propagates the transform of an environment that has moved since Bevy last did.
+/// Propagates the transform of an environment that has moved since Bevy propagated transforms.
 fn move_to_place(world: &mut World, entity: Entity) {
     let global = global_transform(world, entity);
     if world.get::<GlobalTransform>(entity) == Some(&global) {
@@ -352,7 +352,7 @@ fn move_to_place(world: &mut World, entity: Entity) {
     }
 }
 
-/// Waits for the tasks that an environment has started; false when there are none.
+/// Waits for the running tasks of an environment, and returns whether there were any.
 #[cfg(feature = "testing")]
 pub(crate) fn finish_tasks(world: &mut World, environment: Entity) -> bool {
     let generated =
@@ -366,8 +366,8 @@ pub(crate) fn finish_tasks(world: &mut World, environment: Entity) -> bool {
 pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands) {
     let entity = removed.entity;
     commands.queue(move |world: &mut World| {
-        // Inserting another `Environment` removes nothing here; despawning removes the children
-        // too.
+        // Inserting another `Environment` must not remove anything here, and despawning removes the children
+        // anyway.
         if world.get_entity(entity).is_ok_and(|root| !root.contains::<Environment>()) {
             clear(world, entity);
             crate::scenario::remove(world, entity);

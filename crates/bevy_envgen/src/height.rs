@@ -1,15 +1,17 @@
-//! From where to where parts and bodies reach.
+//! The heights between which parts and bodies extend.
 
 use bevy::prelude::*;
 #[cfg(feature = "serialize")]
 use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 
-/// Bottom and top of a part, or of a body, in metres above the floor. Doorways have those of their opening. Transforms
-/// do not change them: in an environment of another scale they are still those of the world.
+/// A component with the bottom and the top of a part or a body, in metres above the floor. For a doorway they
+/// are those of its opening. Transforms do not change them: in a scaled environment they are still heights of
+/// the unscaled world.
 ///
-/// Rapier is flat: with `TopDownPhysicsPlugin`, two bodies that both have this component collide only
-/// where their ranges overlap, so that a low robot passes below a table. A body without it is as high
-/// as everything. Rays meet every collider, unless their filter asks [`HeightRange::contains`].
+/// Rapier's physics is two-dimensional. With `TopDownPhysicsPlugin`, two bodies that both have this component
+/// collide only if their ranges overlap, so that a low robot passes below a table. A body without this
+/// component collides at every height. Rays hit every collider, unless their filter checks
+/// [`HeightRange::contains`].
 ///
 /// ```
 /// use bevy_envgen::HeightRange;
@@ -23,19 +25,19 @@ use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct HeightRange {
-    /// The lower end, negative below the floor.
+    /// The lower end, which is negative below the floor.
     pub bottom: f64,
     /// The upper end.
     pub top: f64,
 }
 
 impl HeightRange {
-    /// Whether more than a plane is in both.
+    /// Returns whether the two ranges overlap. Ranges that only touch do not.
     pub fn overlaps(self, other: HeightRange) -> bool {
         self.bottom < other.top && other.bottom < self.top
     }
 
-    /// Whether a height, such as that of a laser's plane, is in it, its ends included.
+    /// Returns whether a height, such as that of a laser's plane, is in the range. Both ends are included.
     pub fn contains(self, height: f64) -> bool {
         (self.bottom..=self.top).contains(&height)
     }

@@ -1,5 +1,5 @@
-//! The state of an environment between the request and the report, shared by the systems of
-//! generation, streaming and assets.
+//! The state of an environment from the request to the report, shared by the systems of generation, streaming
+//! and assets.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,16 +15,16 @@ use envgen::glam::DVec2;
 use crate::environment::{Environment, EnvironmentError, SpawnedOrigin};
 use crate::plan::{Plan, TileKey};
 
-/// The generation of an environment's world.
+/// A component with the state of the generation of an environment's world.
 #[derive(Component, Default)]
 pub(crate) struct GenerationJob {
     /// The last request.
     pub(crate) asked: Option<Request>,
-    /// Counts the requests.
+    /// The number of requests so far.
     pub(crate) requests: u64,
-    /// Whether it must be rebuilt although the environment did not change.
+    /// Whether the world must be rebuilt although the environment has not changed.
     pub(crate) stale: bool,
-    /// The spec that the asset held when it was last used.
+    /// The spec of the asset when it was last used.
     #[cfg(feature = "asset")]
     pub(crate) spec: Option<WorldSpec>,
     pub(crate) job: Job,
@@ -34,7 +34,7 @@ pub(crate) struct GenerationJob {
 #[derive(Clone, PartialEq)]
 pub(crate) struct Request {
     pub(crate) environment: Environment,
-    /// The side of its tiles in metres, when it is streamed.
+    /// The side of the tiles in metres, if the world is streamed.
     pub(crate) tile: Option<f64>,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Request {
 pub(crate) enum Job {
     #[default]
     Idle,
-    /// The asset is not loaded.
+    /// The request waits for an asset that is not loaded.
     #[cfg_attr(
         not(feature = "asset"),
         expect(dead_code, reason = "without assets, no request waits")
@@ -72,20 +72,20 @@ pub(crate) enum Generated {
     Endless(Arc<EndlessForest>),
 }
 
-/// The tiles that are spawned below an environment.
+/// A component with the tiles that are spawned below an environment.
 #[derive(Component, Default)]
 pub(crate) struct SpawnedTiles {
     pub(crate) tiles: BTreeMap<TileKey, Vec<Entity>>,
-    /// Whether it is despawned because its transform is invalid.
+    /// Whether the world is despawned because the transform is invalid.
     pub(crate) suspended: bool,
 }
 
-/// The origin of the world that is spawned below an environment.
+/// Returns the origin of the world that is spawned below an environment.
 pub(crate) fn spawned_origin(world: &World, environment: Entity) -> DVec2 {
     world.get::<SpawnedOrigin>(environment).map_or(DVec2::ZERO, |origin| origin.0)
 }
 
-/// Events to send once the world is consistent.
+/// A resource with the events to trigger once the world is consistent.
 #[derive(Resource, Default)]
 pub(crate) struct PendingEvents(pub(crate) Vec<(Entity, Result<(), EnvironmentError>)>);
 
@@ -96,12 +96,13 @@ impl PendingEvents {
 }
 
 impl GenerationJob {
-    /// Whether the world of a request is spawned, by its number, and no other has been requested since.
+    /// Returns whether the world of the request with a given number is spawned, and no other has been
+    /// requested since.
     pub(crate) fn is_settled(&self, request: u64) -> bool {
         matches!(self.job, Job::Idle) && !self.stale && self.requests == request
     }
 
-    /// Whether it waits for an asset.
+    /// Returns whether the request waits for an asset.
     #[cfg(feature = "asset")]
     pub(crate) fn waits(&self) -> bool {
         matches!(self.job, Job::Asset)
@@ -112,11 +113,11 @@ impl GenerationJob {
     pub(crate) fn fail(&mut self, error: EnvironmentError) {
         self.job = Job::Done(error.into());
         self.requests += 1;
-        // The same spec again is a repair.
+        // If the same spec is loaded again, the error is fixed.
         self.spec = None;
     }
 
-    /// Waits for its task; false when it has none.
+    /// Waits for the running task, and returns whether there was one.
     #[cfg(feature = "testing")]
     pub(crate) fn finish(&mut self) -> bool {
         let Job::Task(task) = &mut self.job else { return false };

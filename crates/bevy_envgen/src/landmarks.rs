@@ -9,7 +9,7 @@ use envgen::glam::DVec2;
 use crate::part::{Goal, PartOf, Start};
 use crate::shape::LocalFrame;
 
-/// The start and the goal of an environment's world, on the entity of the
+/// A component with the start and the goal of an environment's world, on the entity of the
 /// [`Environment`](crate::Environment).
 ///
 /// ```
@@ -36,30 +36,31 @@ use crate::shape::LocalFrame;
 #[component(clone_behavior = Ignore)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct EnvironmentLandmarks {
-    /// The start pose; `None` when the world has no start.
+    /// The start, or `None` if the world has none.
     #[entities]
     pub start: Option<Landmark>,
-    /// The goal pose; `None` when the world has no goal.
+    /// The goal, or `None` if the world has none.
     #[entities]
     pub goal: Option<Landmark>,
 }
 
-/// A start or a goal. Headings are along +x of its transforms.
+/// A start or a goal. The heading is along +x of its transforms.
 #[derive(Clone, Copy, Debug, PartialEq, MapEntities, Reflect)]
 #[reflect(Debug, PartialEq, Clone)]
 pub struct Landmark {
-    /// The entity of the part, with [`Start`] or [`Goal`]; `None` while its tile is not spawned.
+    /// The entity of the part, which has the component [`Start`] or [`Goal`], or `None` while its tile is not
+    /// spawned.
     #[entities]
     pub part: Option<Entity>,
-    /// The pose in the environment's frame, for children of the environment.
+    /// The pose in the frame of the environment, for children of the environment.
     pub local: Transform,
-    /// The pose in the app's space, at scale 1. It follows the environment when Bevy propagates its
-    /// transform.
+    /// The pose in global coordinates of the app, with a scale of 1. It is updated when Bevy propagates the
+    /// transform of the environment.
     pub pose: Transform,
 }
 
 impl EnvironmentLandmarks {
-    /// The landmarks of a world, with `origin` at the origin of its environment.
+    /// Creates the landmarks of a world whose point `origin` is at the origin of the environment.
     pub(crate) fn new(world: &EnvgenWorld, origin: DVec2, environment: &GlobalTransform) -> Self {
         let frame = LocalFrame::new(origin);
         let landmark = |pose: Pose| {
@@ -69,7 +70,7 @@ impl EnvironmentLandmarks {
         EnvironmentLandmarks { start: world.start.map(landmark), goal: world.goal.map(landmark) }
     }
 
-    /// Updates the poses from the environment's transform.
+    /// Updates the poses from the transform of the environment.
     pub(crate) fn follow(&mut self, environment: &GlobalTransform) {
         for landmark in [&mut self.start, &mut self.goal].into_iter().flatten() {
             landmark.pose = in_space(environment, landmark.local);
@@ -82,7 +83,7 @@ fn in_space(environment: &GlobalTransform, local: Transform) -> Transform {
     pose.with_scale(Vec3::ONE)
 }
 
-/// The components that mark landmarks.
+/// The components that mark a start or a goal.
 trait Mark: Component {
     fn of(landmarks: &mut EnvironmentLandmarks) -> Option<&mut Landmark>;
 }
@@ -109,7 +110,7 @@ fn find<M: Mark>(
         && let Ok(mut landmarks) = environments.get_mut(part.0)
         && let Some(landmark) = M::of(&mut landmarks)
     {
-        // A clone of a part does not replace the part.
+        // A clone of the part must not replace the part.
         landmark.part.get_or_insert(added.entity);
     }
 }

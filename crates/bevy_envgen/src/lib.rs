@@ -1,4 +1,4 @@
-//! Bevy plugins for the worlds of [`envgen`]: a component asks for a world, and its parts are
+//! Bevy plugins for the worlds of [`envgen`]. A component requests a world, and the parts of the world are
 //! spawned as entities with colliders. No window or renderer is needed.
 //!
 //! ```
@@ -16,8 +16,8 @@
 //! assert!(trees > 100);
 //! ```
 //!
-//! Robots and mapping trials in these worlds are in the crate `bevy_mapping_trial`, pictures and films
-//! without a window in `bevy_offscreen`.
+//! The crate `bevy_mapping_trial` adds robots and mapping trials to these worlds, and the crate
+//! `bevy_offscreen` takes pictures and films without a window.
 //!
 //! # What is spawned
 //!
@@ -30,10 +30,10 @@
 //!                        HeightRange
 //! ```
 //!
-//! Every part has a [`PartId`] that is the same for the same spec and seed. Its [`Transform`] is
-//! its pose in the environment's frame: metres, x right, y up. Its [`GlobalTransform`] is correct
-//! as soon as it is spawned. The kinds of parts are in [`part`]. With [`SolidStorage::TileData`],
-//! walls, trees and obstacles are data of their tile, not entities.
+//! Every part has a [`PartId`], which is always the same for the same spec and seed. Its [`Transform`] is its
+//! pose in the frame of the environment, in metres with x to the right and y up. Its [`GlobalTransform`] is
+//! correct as soon as the part is spawned. The components of the kinds of parts are in [`part`]. With
+//! [`SolidStorage::TileData`], walls, trees and obstacles are data of their tile, not entities.
 //!
 //! # Events
 //!
@@ -47,8 +47,8 @@
 //!
 //! # Plugins
 //!
-//! [`EnvgenPlugins`] is the group of these plugins, except where the table says otherwise. Each can
-//! be disabled.
+//! The plugin group [`EnvgenPlugins`] adds these plugins, unless the table says otherwise. Each can be
+//! disabled.
 //!
 //! | plugin | feature | adds |
 //! |---|---|---|
@@ -64,10 +64,10 @@
 //!
 //! # System sets
 //!
-//! All are in the schedule of [`EnvgenPlugins::in_schedule`], `Update` by default, in the order of
-//! [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`; difficulties follow them. Transforms are watched in
-//! `PostUpdate`. Doors, people and smoke move in [`ScenarioSystems`], in `FixedUpdate` by default, after
-//! rapier's `PhysicsSet::Writeback`.
+//! All systems are in the schedule of [`EnvgenPlugins::in_schedule`], which is `Update` by default, in the
+//! order of the sets of [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`. Difficulties
+//! are computed after them. Changes of transforms are detected in `PostUpdate`. Doors, people and smoke move
+//! in [`ScenarioSystems`], which is in `FixedUpdate` by default, after rapier's `PhysicsSet::Writeback`.
 //!
 //! # Features
 //!
@@ -152,8 +152,8 @@ pub use systems::EnvgenSystems;
 
 use systems::EnvgenSchedules;
 
-/// What most apps need, including the specs of [`envgen`]. Items whose names an app or Bevy may use
-/// too, such as [`part::Start`] or [`Tile`], are left out.
+/// The items that most apps need, including the specs of [`envgen`]. It leaves out items whose names may
+/// clash with those of an app or of Bevy, such as [`part::Start`] or [`Tile`].
 pub mod prelude {
     #[cfg(feature = "asset")]
     pub use crate::asset::{EnvgenAssetPlugin, RoomAsset};
@@ -192,22 +192,21 @@ pub mod prelude {
     pub use envgen::road::RoadSpec;
 }
 
-/// The snippets of the README.
+/// The doctests of the README.
 #[cfg(all(doctest, feature = "physics"))]
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-/// Generates and spawns worlds, and streams them.
+/// Generates, spawns and streams worlds.
 ///
-/// Adds the resources [`StreamingBudget`] and [`StreamingReport`] and the systems of
-/// [`EnvgenSystems`].
+/// Adds the resources [`StreamingBudget`] and [`StreamingReport`], and the systems of [`EnvgenSystems`].
 #[derive(Clone, Copy, Debug)]
 pub struct EnvgenCorePlugin {
     schedule: Interned<dyn ScheduleLabel>,
 }
 
 impl EnvgenCorePlugin {
-    /// Runs the systems in `schedule` instead of `Update`.
+    /// Creates the plugin with its systems in `schedule` instead of `Update`.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         EnvgenCorePlugin { schedule: schedule.intern() }
     }
@@ -267,8 +266,8 @@ impl Plugin for EnvgenCorePlugin {
     }
 }
 
-/// The group of plugins for worlds: generation, scenarios, assets, colliders and meshes, as far as features
-/// are on. Rapier itself is added by `TopDownPhysicsPlugin`.
+/// A plugin group for worlds, which adds generation and scenarios, and assets, colliders and meshes if their
+/// features are on. It does not add rapier itself, which `TopDownPhysicsPlugin` does.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenPlugins {
     core: EnvgenCorePlugin,
@@ -278,13 +277,13 @@ pub struct EnvgenPlugins {
 }
 
 impl EnvgenPlugins {
-    /// Runs the systems that generate and spawn worlds in `schedule` instead of `Update`.
+    /// Adds the systems that generate and spawn worlds to `schedule` instead of `Update`.
     pub fn in_schedule(mut self, schedule: impl ScheduleLabel) -> Self {
         self.core = EnvgenCorePlugin::new(schedule);
         self
     }
 
-    /// Uses `colliders`, whatever the app has.
+    /// Inserts `colliders` as the settings of colliders, replacing those that the app already has.
     #[cfg(feature = "physics")]
     pub fn with_colliders(mut self, colliders: physics::ColliderSettings) -> Self {
         self.physics = self.physics.with_colliders(colliders);

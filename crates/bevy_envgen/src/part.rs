@@ -1,4 +1,4 @@
-//! The components of a world's parts.
+//! The components of the parts of worlds.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use envgen::world;
 pub use envgen::world::{Contents, ObstacleKind, PartKind, SurfaceKind, WallKind};
 
-/// A component that inspectors and, with `serialize`, files can read.
+/// Defines a component that inspectors and, with the feature `serialize`, files can read.
 macro_rules! data {
     ($($item:tt)+) => {
         #[derive(Component, Clone, Debug, PartialEq, Reflect)]
@@ -20,27 +20,27 @@ macro_rules! data {
 }
 
 data! {
-    /// The stable name of a part: the same spec and seed always give a part the same id. It is
-    /// unique within one environment.
+    /// A component with the stable id of a part: with the same spec and seed, a part always has the same id.
+    /// It is unique within an environment.
     #[derive(Copy, Eq, PartialOrd, Ord, Hash)]
     pub struct PartId {
         /// The kind of the part.
         pub kind: PartKind,
-        /// The tile of an endless world, (0, 0) in a finite one.
+        /// The tile of an endless world. It is (0, 0) in a finite world.
         pub tile: [i32; 2],
-        /// The index in the list of that kind, of the world or of the tile.
+        /// The index of the part among those of its kind, in the world or in the tile.
         pub index: u32,
     }
 }
 
 impl PartId {
-    /// A part of a finite world.
+    /// Creates the id of a part of a finite world.
     pub const fn new(kind: PartKind, index: u32) -> Self {
         PartId { kind, tile: [0, 0], index }
     }
 
-    /// Its id in [`envgen`], for finding it in the world or comparing it with what a ray met;
-    /// `None` for parts that have none there.
+    /// Returns the id of the part in [`envgen`], to look it up in the world or to compare it with what a ray
+    /// has hit, or `None` for parts that have no id there.
     pub fn in_world(self) -> Option<world::PartId> {
         let marks = matches!(
             self.kind,
@@ -57,7 +57,7 @@ impl From<world::PartId> for PartId {
     }
 }
 
-/// The environment that a part belongs to, on the entity of each part.
+/// A component with the environment that a part belongs to, on the entity of each part.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct PartOf(#[entities] pub Entity);
@@ -74,19 +74,19 @@ impl fmt::Display for PartId {
 }
 
 data! {
-    /// A wall, kerb or partition.
+    /// A component of walls, kerbs and partitions.
     pub struct Wall {
-        /// What it is part of.
+        /// The kind of the wall.
         pub kind: WallKind,
-        /// Distance in metres beyond which a laser has no echo from it, since it is too dark; `None`
-        /// where lasers see it as far as they reach.
+        /// The distance in metres beyond which a laser receives no echo from the wall, since its surface is
+        /// too dark, or `None` if only the range of the laser limits it.
         #[cfg_attr(feature = "serialize", serde(default))]
         pub visible_range: Option<f32>,
     }
 }
 
 data! {
-    /// A tree trunk.
+    /// A component of tree trunks.
     pub struct Tree {
         /// Radius in metres.
         pub radius: f32,
@@ -94,104 +94,104 @@ data! {
 }
 
 data! {
-    /// A road. Its middle line is its [`PartShape`](crate::PartShape).
+    /// A component of roads. The [`PartShape`](crate::PartShape) has the centre line.
     pub struct RoadStrip {
-        /// Full width in metres.
+        /// The full width in metres.
         pub width: f32,
-        /// Number of lanes side by side.
+        /// The number of lanes side by side.
         pub lanes: u32,
-        /// Whether the end joins the start.
+        /// Whether the road is a closed loop.
         pub closed: bool,
     }
 }
 
 data! {
-    /// A room.
+    /// A component of rooms.
     pub struct Room {
-        /// Name, not necessarily unique.
+        /// The name, which need not be unique.
         pub name: String,
-        /// Difficulty on the scale from 0 to 10, `None` where none is annotated.
+        /// The difficulty on a scale from 0 to 10, or `None` if it is not annotated.
         pub difficulty: Option<f32>,
         /// Whether the room is lit.
         pub lit: bool,
-        /// Whether it still holds what its name and difficulty are based on.
+        /// Whether the room still contains the obstacles on which its name and difficulty are based.
         #[cfg_attr(feature = "serialize", serde(default))]
         pub contents: Contents,
     }
 }
 
 data! {
-    /// An opening in a wall. A `Door` of a scenario may be in it.
+    /// A component of doorways, which are openings in walls. A `Door` of a scenario may be in it.
     pub struct Doorway {
-        /// Whether the generator left the door open.
+        /// Whether the doorway is open in the generated world.
         pub open: bool,
-        /// The indices of the rooms that it joins; `None` is a hallway or the outside.
+        /// The indices of the two rooms that the doorway connects, where `None` is a hallway or the outside.
         pub rooms: [Option<u32>; 2],
     }
 }
 
 data! {
-    /// A solid obstacle.
+    /// A component of solid obstacles.
     pub struct Obstacle {
         /// The kind of the obstacle.
         pub kind: ObstacleKind,
-        /// As [`Wall::visible_range`].
+        /// The same as [`Wall::visible_range`].
         #[cfg_attr(feature = "serialize", serde(default))]
         pub visible_range: Option<f32>,
     }
 }
 
 data! {
-    /// Ground that changes how robots drive.
+    /// A component of areas of ground that change how robots drive.
     pub struct Surface {
         /// The kind of the surface.
         pub kind: SurfaceKind,
-        /// Factor on a robot's maximum speed, from 0 (cannot drive there) to 1 (plain ground).
+        /// A factor on a robot's maximum speed, from 0 (a robot cannot drive there) to 1 (plain ground).
         pub speed: f32,
-        /// Factor on the variances of a robot's odometry, 1 for plain ground.
+        /// A factor on the variances of a robot's odometry. It is 1 for plain ground.
         pub odometry_noise: f32,
-        /// How much too far wheels measure, as a fraction of the distance that was driven.
+        /// By how much wheels measure distances too far, as a fraction of the driven distance.
         #[cfg_attr(feature = "serialize", serde(default))]
         pub wheel_bias: f32,
     }
 }
 
 data! {
-    /// The start pose of a robot; the heading is the transform's x axis.
+    /// A component of the start pose of a robot. The heading is along +x of the transform.
     #[derive(Copy)]
     pub struct Start;
 }
 
 data! {
-    /// The goal pose of a robot; the heading is the transform's x axis.
+    /// A component of the goal pose of a robot. The heading is along +x of the transform.
     #[derive(Copy)]
     pub struct Goal;
 }
 
 data! {
-    /// A person who is to be found.
+    /// A component of a person who is to be found.
     #[derive(Copy)]
     pub struct Victim;
 }
 
 data! {
-    /// A block of a landscape's cells. Its [`PartShape`](crate::PartShape) is the rectangle that
-    /// they fill.
+    /// A component of a block of the cells of a landscape. The [`PartShape`](crate::PartShape) is the
+    /// rectangle of these cells.
     pub struct Ground {
-        /// The block's first row of the landscape, counted from the top.
+        /// The first row of the block in the landscape, counted from the top.
         pub row: u32,
-        /// The block's first column.
+        /// The first column of the block in the landscape.
         pub col: u32,
-        /// Number of columns of the block.
+        /// The number of columns of the block.
         pub cols: u32,
-        /// Side of a cell in metres.
+        /// The side of a cell in metres.
         pub cell: f32,
-        /// Class of each cell, counted from 1; 0 is no data. Row by row from the top.
+        /// The class of each cell, row by row from the top. Classes are counted from 1, and 0 means no data.
         pub classes: Vec<u16>,
     }
 }
 
-/// Registers the types for inspectors, also without Bevy's `reflect_auto_register`.
+/// Registers the types for inspectors, also without Bevy's feature `reflect_auto_register`.
 pub(crate) fn register(app: &mut App) {
     app.register_type::<PartId>()
         .register_type::<PartOf>()

@@ -1,10 +1,10 @@
-//! The transform of an environment, and whether it is valid for a world.
+//! The transform of an environment, and whether it is valid for a flat world.
 
 use bevy::prelude::*;
 
 use crate::environment::EnvironmentError;
 
-/// The transform of an entity exactly as Bevy will propagate it.
+/// Computes the global transform of an entity exactly as Bevy will propagate it.
 pub(crate) fn global_transform(world: &World, entity: Entity) -> GlobalTransform {
     let parent = |entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
     let mut locals = Vec::new();
@@ -17,7 +17,7 @@ pub(crate) fn global_transform(world: &World, entity: Entity) -> GlobalTransform
     locals.iter().rfold(root.into(), |above: GlobalTransform, local| above.mul_transform(*local))
 }
 
-/// Sets the global transforms of an entity and its descendants as Bevy will when it propagates.
+/// Sets the global transforms of an entity and its descendants to the values that Bevy will propagate.
 pub(crate) fn propagate(world: &mut World, entity: Entity, global: GlobalTransform) {
     let mut left = vec![(entity, global)];
     while let Some((entity, global)) = left.pop() {
@@ -32,9 +32,9 @@ pub(crate) fn propagate(world: &mut World, entity: Entity, global: GlobalTransfo
     }
 }
 
-/// Whether a transform keeps a flat world flat and its circles round.
+/// Checks that a transform keeps a flat world flat and its circles round.
 pub(crate) fn check_transform(transform: &GlobalTransform) -> Result<(), EnvironmentError> {
-    /// Relative differences below this are rounding.
+    /// Relative differences below this value are due to rounding.
     const TOLERANCE: f32 = 1e-3;
     let error = |what, value, allowed| Err(EnvironmentError::Transform { what, value, allowed });
     let affine = transform.affine();

@@ -1,4 +1,4 @@
-//! The tiles of a world: which part belongs to which tile.
+//! Sorts the parts of a world into tiles.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -10,14 +10,14 @@ use envgen::glam::DVec2;
 
 use crate::part::PartKind;
 
-/// The most parts that one [`Tile`](crate::Tile) entity holds: in a world that is spawned at once,
-/// and in one that is streamed, where a tile entity is the smallest step of work.
+/// The largest number of parts of one [`Tile`](crate::Tile) entity: in a world that is spawned at once, and
+/// in a streamed world, where a tile entity is the smallest step of work.
 const PAGES: [usize; 2] = [512, 128];
 
-/// The most cells along the side of a block of a landscape.
+/// The largest number of cells along the side of a block of a landscape.
 const MAX_BLOCK: f64 = 64.0;
 
-/// A square of the plane. Its side is the grid's at level 0 and doubles with each level.
+/// A square of the plane. Its side is the side of a tile at level 0, and doubles with each level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct TileKey {
     pub(crate) level: u8,
@@ -41,26 +41,25 @@ pub(crate) struct TilePlan {
 
 /// A world with its parts sorted into tiles.
 ///
-/// A part belongs to the tile that holds its middle, at the lowest level whose side is at least as
-/// long as the part. So it extends beyond its tile by at most half a side, and nearby tiles are
-/// found quickly, however long some parts are.
+/// A part belongs to the tile that contains its centre, at the lowest level whose side is at least as long as
+/// the part. So it extends beyond its tile by at most half a side, and nearby tiles are found quickly,
+/// however long some parts are.
 #[derive(Debug)]
 pub(crate) struct Plan {
     pub(crate) world: Arc<World>,
     pub(crate) tiles: BTreeMap<TileKey, TilePlan>,
     pub(crate) parts: usize,
     pub(crate) solids: usize,
-    /// Cells along the side of a block of ground.
+    /// The number of cells along the side of a block of ground.
     pub(crate) block: u32,
-    /// The most parts that one tile entity holds.
+    /// The largest number of parts of one tile entity.
     pub(crate) page: usize,
     side: f64,
     levels: u8,
 }
 
 impl Plan {
-    /// Sorts the parts of a world into tiles of a given side, or of a side that suits the number of
-    /// parts.
+    /// Sorts the parts of a world into tiles of a given side, or of a side that suits the number of parts.
     pub(crate) fn new(world: Arc<World>, tile: Option<f64>) -> Self {
         let page = PAGES[usize::from(tile.is_some())];
         let size = world.bounds.size();
@@ -83,7 +82,7 @@ impl Plan {
         };
         // A world of one page needs no tiles, unless it is streamed.
         let mut tiles: Vec<(TileKey, TilePlan)> = Vec::new();
-        // Only for lookup, never for the order of tiles.
+        // The map is used only for lookup, never for the order of tiles.
         let mut places: HashMap<TileKey, usize> = HashMap::default();
         let whole = (tile.is_none() && listed <= page).then_some(TileKey { level: 0, at: [0, 0] });
         each_part(&world, block, &mut |part, bounds| {
@@ -113,8 +112,8 @@ impl Plan {
         TileKey { level, at: cell(bounds.center(), side) }
     }
 
-    /// The tiles that have a part within about `radius` of a point, with the distance to the
-    /// bounding rectangle of their parts.
+    /// Returns the tiles whose parts are within `radius` of a point, each with the distance to the bounding
+    /// rectangle of its parts.
     pub(crate) fn near(&self, p: DVec2, radius: f64) -> Vec<(f64, TileKey)> {
         let mut found = Vec::new();
         if !p.is_finite() {
@@ -149,26 +148,26 @@ impl Plan {
     }
 }
 
-/// Distance from a point to a rectangle, 0 inside.
+/// Returns the distance from a point to a rectangle, which is 0 inside.
 pub(crate) fn distance(rect: Rect, p: DVec2) -> f64 {
     (rect.min - p).max(p - rect.max).max(DVec2::ZERO).length()
 }
 
-/// The grid cell of a point, in a grid through the origin. Casts saturate: points beyond the range
-/// of `i32` share cells.
+/// Returns the cell of a point in a grid through the origin. Casts saturate, so points beyond the range of
+/// `i32` share cells.
 fn cell(p: DVec2, side: f64) -> [i32; 2] {
     let cell = (p / side).floor();
     [cell.x as i32, cell.y as i32]
 }
 
-/// How much there is of a world to check and to sort: parts, points of roads and cells.
+/// Returns how much of a world there is to check and to sort: parts, points of roads and cells.
 pub(crate) fn size(world: &World) -> usize {
     let points: usize = world.road_strips.iter().map(|strip| strip.centreline.len()).sum();
     let cells = world.raster.as_ref().map_or(0, |raster| raster.cells.len());
     list_lengths(world) + points + cells
 }
 
-/// An estimate of the number of parts, from the lengths of the lists.
+/// Estimates the number of parts from the lengths of the lists.
 fn list_lengths(world: &World) -> usize {
     let blocks = world.raster.as_ref().map_or(0, |raster| raster.cells.len() / 4096);
     world.walls.len()
@@ -182,15 +181,15 @@ fn list_lengths(world: &World) -> usize {
         + blocks
 }
 
-/// A landscape's block of the given index: its first row and column, and its numbers of rows and
-/// columns.
+/// Returns the first row and column of the block with a given index of a landscape, and its numbers of rows
+/// and columns.
 pub(crate) fn block_cells(rows: u32, cols: u32, block: u32, index: u32) -> [u32; 4] {
     let across = cols.div_ceil(block).max(1);
     let (row, col) = (index / across * block, index % across * block);
     [row, col, block.min(rows.saturating_sub(row)), block.min(cols.saturating_sub(col))]
 }
 
-/// Visits every part, in the order of ids, with its bounding rectangle.
+/// Visits every part with its bounding rectangle, in the order of the ids.
 fn each_part(world: &World, block: u32, visit: &mut dyn FnMut(PartRef, Rect)) {
     let mut list = |kind: PartKind, bounds: &mut dyn Iterator<Item = Rect>| {
         for (index, bounds) in (0..).zip(bounds) {

@@ -1,4 +1,4 @@
-//! The contents of asset files, and their loaders.
+//! The assets of specs and rooms, and the loaders of their files.
 
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, AsyncReadExt, LoadContext};
@@ -7,29 +7,30 @@ use envgen::indoor::{Catalogue, CatalogueError, RoomDesign, RoomError, room_from
 use envgen::{SettingsError, SpecError, WorldSpec};
 use thiserror::Error;
 
-/// The largest file that is read, in bytes.
+/// The size in bytes of the largest file that is read.
 pub const MAX_FILE_BYTES: usize = 4 << 20;
 
-/// A spec from a file such as `hall.envgen.ron`, which holds the RON of a [`WorldSpec`]:
+/// An asset with a spec, loaded from a file such as `hall.envgen.ron`, which has the RON of a [`WorldSpec`]:
 /// `Hallway(segments: 80)`.
 ///
-/// The `rooms` of an indoor map may name room files beside the names of rooms:
-/// `Indoor(rooms: ["dark", "rooms/cell.room.ron"])`, relative to the file. They join the catalogue,
-/// and a change of one of them reloads the spec.
+/// The setting `rooms` of an indoor map may have paths of room files beside names of rooms:
+/// `Indoor(rooms: ["dark", "rooms/cell.room.ron"])`. Paths are relative to the file. The rooms are added to
+/// the catalogue, and the spec is reloaded when one of their files changes.
 #[derive(Asset, TypePath, Clone, Debug, PartialEq)]
 pub struct WorldAsset {
-    /// The spec, validated.
+    /// The spec, which is valid.
     pub spec: WorldSpec,
 }
 
-/// A room from a file such as `cell.room.ron`, in the form of `envgen`'s catalogues.
+/// An asset with a room, loaded from a file such as `cell.room.ron`, which has the form of the rooms in
+/// `envgen`'s catalogues.
 #[derive(Asset, TypePath, Clone, Debug, PartialEq)]
 pub struct RoomAsset {
-    /// The room, validated.
+    /// The room, which is valid.
     pub design: RoomDesign,
 }
 
-/// Why a spec or a room could not be loaded.
+/// An error of loading a spec or a room.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum WorldLoadError {
@@ -57,9 +58,9 @@ pub enum WorldLoadError {
     /// A room that the spec names could not be loaded.
     #[error("the room {path} cannot be loaded: {reason}")]
     RoomFile {
-        /// Its file, relative to the spec's.
+        /// The path of the room's file, relative to the file of the spec.
         path: String,
-        /// What is wrong with it.
+        /// The reason why it cannot be loaded.
         reason: String,
     },
     /// The rooms together are not a valid catalogue.
@@ -137,7 +138,7 @@ impl AssetLoader for RoomLoader {
     }
 }
 
-/// Reads a text of at most [`MAX_FILE_BYTES`].
+/// Reads a UTF-8 text of at most [`MAX_FILE_BYTES`].
 async fn read(reader: &mut dyn Reader) -> Result<String, WorldLoadError> {
     let mut bytes = Vec::new();
     let mut part = [0; 4096];

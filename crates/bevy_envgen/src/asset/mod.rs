@@ -1,4 +1,4 @@
-//! Specs and rooms in files.
+//! Bevy assets for specs and rooms in files.
 
 pub(crate) mod file;
 mod watch;

@@ -1,4 +1,4 @@
-//! Rebuilding environments when the files of their specs change.
+//! Rebuilds environments when the files of their specs change.
 
 use bevy::asset::{AssetLoadError, AssetLoadFailedEvent, AssetPath, LoadState};
 use bevy::prelude::*;
@@ -9,11 +9,11 @@ use crate::generate::request_worlds;
 use crate::job::GenerationJob;
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
-/// Loads `.envgen.ron` and `.room.ron` files, and rebuilds worlds whose files change.
+/// Adds the assets of `.envgen.ron` and `.room.ron` files, and rebuilds worlds when these files change.
 ///
-/// Needs Bevy's `AssetPlugin`, added before or after; without it, environments with specs in files
-/// fail. Files are watched with Bevy's feature `file_watcher`, which the feature of the same name
-/// turns on.
+/// Needs Bevy's `AssetPlugin`, which may be added before or after this plugin. Without it, environments whose
+/// specs are in files fail. Files are watched if Bevy's feature `file_watcher` is on, which this crate's
+/// feature of the same name enables.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvgenAssetPlugin;
 
@@ -34,7 +34,7 @@ impl Plugin for EnvgenAssetPlugin {
     }
 }
 
-/// Registers assets and loaders as soon as there is an asset server.
+/// Registers the assets and their loaders, once the app has an asset server.
 fn register(app: &mut App) {
     if app.world().contains_resource::<AssetServer>()
         && !app.world().contains_resource::<Assets<WorldAsset>>()
@@ -46,7 +46,7 @@ fn register(app: &mut App) {
     }
 }
 
-/// Requests a rebuild of environments whose assets changed, and fails those whose assets cannot be
+/// Requests a rebuild of environments whose assets have changed, and lets those fail whose assets cannot be
 /// loaded or were removed.
 fn watch_assets(
     mut environments: Query<(Entity, &Environment, &mut GenerationJob)>,
@@ -97,16 +97,16 @@ fn watch_assets(
     }
 }
 
-/// A spec that could not be loaded because of a room.
+/// A spec that could not be loaded because one of its rooms could not.
 struct Unloaded {
     spec: AssetId<WorldAsset>,
     path: AssetPath<'static>,
-    /// Held, so that Bevy loads the room when its file changes or appears.
+    /// The handle is kept, so that Bevy loads the room when its file changes or appears.
     room: Handle<RoomAsset>,
 }
 
-/// Loads specs again whose rooms could not be loaded before. Bevy itself notes which rooms a spec depends on only once
-/// it is loaded.
+/// Reloads specs that failed because of a room, once that room can be loaded. Bevy itself records the
+/// dependencies of an asset only after the asset is loaded.
 fn watch_rooms(
     mut failures: MessageReader<AssetLoadFailedEvent<WorldAsset>>,
     mut loads: MessageReader<AssetEvent<WorldAsset>>,
@@ -114,7 +114,7 @@ fn watch_rooms(
     server: Res<AssetServer>,
     mut unloaded: Local<Vec<Unloaded>>,
 ) {
-    // In the order of the frames: what fails later fails again.
+    // Failures are handled last, since a spec that fails in this frame has failed again.
     let loaded: Vec<_> = loads.read().filter_map(touched).collect();
     let changed: Vec<_> = changes.read().filter_map(touched).collect();
     unloaded.retain(|waiting| {
@@ -133,7 +133,7 @@ fn watch_rooms(
     }
 }
 
-/// The asset that an event says is new or changed.
+/// Returns the asset that an event reports as added or modified.
 fn touched<A: Asset>(event: &AssetEvent<A>) -> Option<AssetId<A>> {
     match event {
         AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id),
@@ -141,7 +141,7 @@ fn touched<A: Asset>(event: &AssetEvent<A>) -> Option<AssetId<A>> {
     }
 }
 
-/// The room because of which a spec could not be loaded.
+/// Returns the room because of which a spec could not be loaded.
 fn missing_room(spec: &AssetPath<'_>, error: &AssetLoadError) -> Option<AssetPath<'static>> {
     let AssetLoadError::AssetLoaderError(error) = error else { return None };
     match error.error().downcast_ref()? {

@@ -1,4 +1,4 @@
-//! Conversion of part shapes to rapier's.
+//! Converts the shapes of parts to shapes of rapier.
 
 use bevy::prelude::*;
 use bevy_rapier2d::geometry::Collider;
@@ -12,13 +12,13 @@ use crate::tessellate::triangles;
 /// A convex shape and its pose.
 pub(crate) type Piece = (Pose, SharedShape);
 
-/// The largest share of a polygon's area that its convex pieces may lose to rounding.
+/// The largest fraction of the area of a polygon that its convex pieces may lose by rounding.
 const AREA_TOLERANCE: f64 = 1e-3;
 
-/// The largest absolute cosine of a corner that counts as a right angle.
+/// The largest absolute cosine of an angle that counts as a right angle.
 const RIGHT_ANGLE: f32 = 1e-5;
 
-/// The collider of a single part, in the frame of the part; `None` for parts without extent.
+/// Returns the collider of a single part, in the frame of the part, or `None` for parts without an extent.
 pub(crate) fn collider(shape: &PartShape) -> Option<Collider> {
     let mut pieces = Vec::new();
     append_pieces(&mut pieces, Pose::IDENTITY, shape);
@@ -29,7 +29,7 @@ pub(crate) fn collider(shape: &PartShape) -> Option<Collider> {
     }
 }
 
-/// One collider for many parts; `None` when none of them has an extent.
+/// Returns one collider for many parts, or `None` if none of them has an extent.
 pub(crate) fn merged<'a>(
     parts: impl Iterator<Item = (&'a Transform, &'a PartShape)>,
 ) -> Option<Collider> {
@@ -41,7 +41,7 @@ pub(crate) fn merged<'a>(
 }
 
 fn pose(transform: &Transform) -> Pose {
-    // Rotation about z only: twice the half-angle, without an arc sine, which would lose digits.
+    // The rotation is about z only. Twice the half-angle avoids an arc sine, which would lose digits.
     let angle = if transform.rotation == Quat::IDENTITY {
         0.0
     } else {
@@ -50,8 +50,8 @@ fn pose(transform: &Transform) -> Pose {
     Pose::new(transform.translation.truncate(), angle)
 }
 
-/// Appends the convex shapes that fill a part. They are exact: a concave polygon is split into
-/// convex pieces of its own corners, not approximated.
+/// Appends the convex shapes that fill a part. They are exact: a concave polygon is split into convex pieces
+/// with the same corners, and is not approximated.
 fn append_pieces(pieces: &mut Vec<Piece>, at: Pose, shape: &PartShape) {
     match shape {
         PartShape::Point | PartShape::Strip { .. } => {}
@@ -70,10 +70,10 @@ fn append_pieces(pieces: &mut Vec<Piece>, at: Pose, shape: &PartShape) {
     }
 }
 
-/// The shapes that fill a polygon; `None` when too little of it remains in single precision.
+/// Returns the shapes that fill a polygon, or `None` if too little of its area remains in single precision.
 ///
-/// Rectangles and triangles only: parry computes ray distances to other convex polygons by
-/// iteration, with errors of centimetres.
+/// Only rectangles and triangles are used, since parry computes the distances of rays to other convex
+/// polygons by iteration, with errors of centimetres.
 fn polygon(vertices: &[Vec2]) -> Option<Vec<Piece>> {
     let area = |vertices: &[Vec2]| {
         let corners: Vec<_> = vertices.iter().map(|v| v.as_dvec2()).collect();
@@ -102,7 +102,7 @@ fn polygon(vertices: &[Vec2]) -> Option<Vec<Piece>> {
     Some(pieces)
 }
 
-/// A polygon with four right angles as a cuboid.
+/// Returns a polygon with four right angles as a cuboid.
 fn rectangle(vertices: &[Vec2]) -> Option<Piece> {
     let &[a, b, c, d] = vertices else { return None };
     let (along, up) = (b - a, d - a);
@@ -115,7 +115,7 @@ fn rectangle(vertices: &[Vec2]) -> Option<Piece> {
     Some((pose, SharedShape::cuboid(0.5 * width, 0.5 * height)))
 }
 
-/// The sides of a polygon that is too thin to be filled.
+/// Returns the sides of a polygon that is too thin to fill.
 fn outline(vertices: &[Vec2]) -> Vec<Piece> {
     let ends = vertices.iter().copied().cycle().skip(1);
     let sides = vertices.iter().zip(ends);
@@ -161,7 +161,7 @@ mod tests {
             let vertices = u_shape(width, depth, wall);
             let shape = Shape::Polygon { vertices: vertices.iter().map(|v| v.as_dvec2()).collect() };
             let p = Vec2::new(x * width, y * depth);
-            // Not on the border itself, where rounding decides.
+            // Points on the border itself are left out, since rounding decides there.
             let edges = envgen::geometry::edges(&shape.corners())
                 .map(|(a, b)| envgen::geometry::distance_to_segment(p.as_dvec2(), a, b))
                 .fold(f64::INFINITY, f64::min);

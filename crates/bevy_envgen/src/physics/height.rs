@@ -1,4 +1,4 @@
-//! Heights of colliders: what passes below and above each other.
+//! The heights of colliders, which decide what they collide with.
 
 use std::collections::BTreeMap;
 
@@ -13,11 +13,11 @@ use crate::height::HeightRange;
 use crate::part::PartId;
 use crate::shape::PartShape;
 
-/// Rapier's hooks of [`TopDownPhysicsPlugin`](super::TopDownPhysicsPlugin): colliders whose [`HeightRange`]s do not
-/// overlap do not collide.
+/// Rapier's hooks that [`TopDownPhysicsPlugin`](super::TopDownPhysicsPlugin) uses: colliders whose
+/// [`HeightRange`]s do not overlap do not collide.
 ///
-/// An app that adds `RapierPhysicsPlugin` itself can use them as its type parameter, or ask them from hooks of
-/// its own. Without them all colliders are as high as everything.
+/// An app that adds `RapierPhysicsPlugin` itself can use them as its type parameter, or call them from hooks
+/// of its own. Without them, colliders collide at every height.
 #[derive(SystemParam)]
 pub struct HeightHooks<'w, 's> {
     heights: Query<'w, 's, &'static HeightRange>,
@@ -25,7 +25,7 @@ pub struct HeightHooks<'w, 's> {
 
 impl BevyPhysicsHooks for HeightHooks<'_, '_> {
     fn filter_contact_pair(&self, pair: PairFilterContextView<'_>) -> Option<SolverFlags> {
-        // A body's height is on its own entity, or on that of one of its colliders.
+        // The height of a body is on its own entity, or on the entity of one of its colliders.
         let height = |collider: Entity, body: Option<Entity>| {
             self.heights.get(collider).or_else(|_| self.heights.get(body.unwrap_or(collider))).ok()
         };
@@ -36,12 +36,13 @@ impl BevyPhysicsHooks for HeightHooks<'_, '_> {
     }
 }
 
-/// Whether a range may pass others: all that reach from the floor upwards meet.
+/// Returns whether a part of this height may pass others. Those that extend upwards from the floor all
+/// collide with each other.
 fn passes(height: &HeightRange) -> bool {
     height.bottom > 0.0 || height.top <= 0.0
 }
 
-/// Lets rapier ask [`HeightHooks`] about what is over the floor, or below it.
+/// Makes rapier call [`HeightHooks`] for entities above or below the floor.
 pub(super) fn filter_contacts(
     inserted: On<Insert, HeightRange>,
     heights: Query<(&HeightRange, Option<&ActiveHooks>)>,
@@ -54,11 +55,12 @@ pub(super) fn filter_contacts(
     }
 }
 
-/// What may have come below something that has the height. Parts stay where they are spawned.
+/// A filter for entities that may have become descendants of an entity with a height. Parts do not change
+/// their parents.
 type Moved = (Or<(Added<Collider>, Changed<ChildOf>)>, Without<PartId>);
 
-/// The same for what changes its height, and for the colliders below a body that has the height: rapier reads from
-/// colliders what to ask about.
+/// Does the same when a height changes, and for the colliders below a body that has the height, since rapier
+/// reads from colliders which hooks to call.
 pub(super) fn filter_bodies(
     changed: Query<(Entity, &HeightRange), Changed<HeightRange>>,
     moved: Query<Entity, Moved>,
@@ -90,13 +92,13 @@ fn filter(commands: &mut Commands, collider: Entity, hooks: Option<&ActiveHooks>
 
 /// The colliders of a merged tile.
 pub(super) struct Merged {
-    /// Of the parts that count as high as everything.
+    /// The collider of the parts that count as infinitely high.
     pub(super) full: Option<Collider>,
-    /// Of all others: one for each height.
+    /// The colliders of all other parts, one for each range of heights.
     pub(super) others: Vec<(HeightRange, Collider)>,
 }
 
-/// Merges parts, those apart that are not on the floor or not `full` metres high.
+/// Merges parts. Those that are above the floor, or less than `full` metres high, get separate colliders.
 pub(super) fn merge<'a>(
     parts: impl Iterator<Item = (&'a Transform, &'a PartShape, Option<HeightRange>)>,
     full: f64,

@@ -1,11 +1,11 @@
-//! Colliders for the parts of worlds, and for the people and doors of scenarios.
+//! Rapier colliders for the parts of worlds, and for the people and doors of scenarios.
 //!
-//! Walls, trees, obstacles and closed doorways stop bodies and rays, exactly where [`envgen::raycast`]
-//! does. Surfaces, rooms and doorways are sensors, which report the bodies inside them. People and leaves of
+//! Walls, trees, obstacles and closed doorways stop bodies and rays, exactly as in [`envgen::raycast`].
+//! Surfaces, rooms and doorways are sensors, which report the bodies inside them. People and leaves of
 //! [`crate::scenario`] are kinematic bodies.
 //!
-//! Rapier is flat. The colliders of parts have a [`HeightRange`], which decides what they stop:
-//! see [`HeightHooks`].
+//! Rapier's physics is two-dimensional. The colliders of parts have a [`HeightRange`], which decides which
+//! bodies they stop; see [`HeightHooks`].
 
 mod clones;
 mod collider;
@@ -38,15 +38,15 @@ use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
 /// Adds colliders to the parts of worlds, and bodies to the people and leaves of scenarios.
 ///
-/// Rapier itself is not added: see [`TopDownPhysicsPlugin`]. Without it the colliders have no
-/// effect. By default the settings are those that the app has, if it has any.
+/// It does not add rapier itself; see [`TopDownPhysicsPlugin`]. Without rapier the colliders have no effect.
+/// By default it uses the collider settings that the app already has, if any.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EnvgenPhysicsPlugin {
     colliders: Option<ColliderSettings>,
 }
 
 impl EnvgenPhysicsPlugin {
-    /// Uses `colliders`, whatever the app has.
+    /// Inserts `colliders` as the settings, replacing those that the app already has.
     pub fn with_colliders(self, colliders: ColliderSettings) -> Self {
         EnvgenPhysicsPlugin { colliders: Some(colliders) }
     }
@@ -69,7 +69,7 @@ impl Plugin for EnvgenPhysicsPlugin {
             .add_observer(height::filter_contacts)
             .add_observer(moving::embody)
             .add_observer(moving::hang)
-            // Before physics, which may run in either.
+            // Both are before physics, which may run in either schedule.
             .add_systems(FixedPreUpdate, height::filter_bodies)
             .add_systems(main, height::filter_bodies.after(EnvgenSystems::Notify))
             .add_systems(
@@ -87,7 +87,7 @@ fn collide(spawned: On<TileSpawned>, mut commands: Commands) {
     commands.queue(move |world: &mut World| give_colliders(world, &spawned));
 }
 
-/// A collider of parts that has an entity of its own.
+/// A marker component of colliders of parts that have an entity of their own.
 #[derive(Component)]
 struct PartCollider;
 
@@ -110,7 +110,8 @@ fn collide_again(inserted: On<Insert, EnvironmentColliders>, mut commands: Comma
                     world.despawn(entity);
                 }
             }
-            // Rapier does not notice a collider that goes and comes at once: those that stay are overwritten.
+            // Rapier does not notice a collider that is removed and inserted at once, so existing colliders
+            // are overwritten.
             let had = parts.iter().copied().chain([tile]);
             let had: Vec<_> = had.filter(|&e| world.get::<Collider>(e).is_some()).collect();
             let before = world.increment_change_tick();
@@ -127,7 +128,7 @@ fn collide_again(inserted: On<Insert, EnvironmentColliders>, mut commands: Comma
     });
 }
 
-/// What the entity of a collider has because of it.
+/// The components that an entity has because of its collider.
 type OfCollider =
     (Collider, CollisionGroups, Friction, Restitution, Sensor, ActiveEvents, ActiveCollisionTypes);
 
@@ -195,7 +196,7 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
     }
 }
 
-/// Fills a doorway that is closed for ever. The collider of the doorway itself is a sensor.
+/// Fills a doorway that is permanently closed. The collider of the doorway itself is a sensor.
 fn close(world: &mut World, doorway: Entity, groups: CollisionGroups) {
     let entity = world.entity(doorway);
     let (Some(part), Some(shape)) = (entity.get::<Doorway>(), entity.get::<PartShape>()) else {
@@ -208,7 +209,7 @@ fn close(world: &mut World, doorway: Entity, groups: CollisionGroups) {
     }
 }
 
-/// Adds a collider of its own, at the pose of `parent`.
+/// Spawns a collider with an entity of its own, at the pose of `parent`.
 fn add_below(world: &mut World, parent: Entity, name: &'static str, collider: impl Bundle) {
     let above = world.get::<GlobalTransform>(parent).copied().unwrap_or_default();
     world.spawn((
@@ -221,7 +222,7 @@ fn add_below(world: &mut World, parent: Entity, name: &'static str, collider: im
     ));
 }
 
-/// The lintels of the doorways of an environment, where asked.
+/// Returns the lintels of the doorways of an environment, if the settings ask for them.
 fn lintels(
     world: &World,
     environment: Entity,
@@ -231,7 +232,7 @@ fn lintels(
     truth.map_or_else(Vec::new, |truth| truth.lintels())
 }
 
-/// The colliders of the parts that have an extent.
+/// Returns the colliders of the parts that have an extent.
 fn colliders(world: &World, parts: &[Entity]) -> Vec<(Entity, Collider)> {
     let collider = |&part: &Entity| {
         let shape = world.get::<PartShape>(part)?;

@@ -1,4 +1,4 @@
-//! Bodies for the people and leaves of scenarios.
+//! Bodies for the people of scenarios and the leaves of doors.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{
@@ -10,7 +10,8 @@ use super::settings::settings_of;
 use crate::part::PartOf;
 use crate::scenario::{DoorLeaf, Person, leaf_collider};
 
-/// Triggered on a [`Person`], and written as a message, when a body of rapier begins to touch the person.
+/// An event that is triggered on a [`Person`], and written as a message, when a body of rapier starts to
+/// touch the person.
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PersonCollision {
     /// The person.
@@ -19,7 +20,7 @@ pub struct PersonCollision {
     pub collider: Entity,
 }
 
-/// Makes a person a body.
+/// Makes a person a kinematic body.
 pub(super) fn embody(
     added: On<Add, Person>,
     parts: Query<&PartOf>,
@@ -37,7 +38,7 @@ pub(super) fn embody(
     ));
 }
 
-/// Makes a leaf a body.
+/// Makes a leaf a kinematic body.
 pub(super) fn hang(
     added: On<Add, DoorLeaf>,
     leaves: Query<(&DoorLeaf, &PartOf)>,

@@ -1,4 +1,4 @@
-//! How parts become colliders, and the groups that these are in.
+//! The settings of the colliders of parts, and their collision groups.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{CollisionGroups, Group};
@@ -7,7 +7,7 @@ use bevy_rapier2d::prelude::{CollisionGroups, Group};
 pub const PERSON_GROUP: Group = Group::GROUP_29;
 /// The collision group of walls, trees and obstacles.
 pub const SOLID_GROUP: Group = Group::GROUP_30;
-/// The collision group of leaves, and of doorways that are closed for ever.
+/// The collision group of leaves, and of doorways that are permanently closed.
 pub const DOOR_GROUP: Group = Group::GROUP_31;
 /// The collision group of surfaces, rooms and doorways.
 pub const SENSOR_GROUP: Group = Group::GROUP_32;
@@ -16,14 +16,13 @@ pub const SENSOR_GROUP: Group = Group::GROUP_32;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
 pub enum ColliderMerging {
-    /// Merged in worlds with more solid parts than this, and in endless ones.
+    /// Parts are merged in worlds with more solid parts than this, and in endless worlds.
     Above(usize),
-    /// Merged: one compound on the entity of the [`Tile`](crate::Tile). In a large world it costs
-    /// rapier a fraction of single colliders.
+    /// Parts are merged into one compound collider on the entity of the [`Tile`](crate::Tile). In a large
+    /// world this takes rapier a fraction of the time of single colliders.
     Always,
-    /// Every part has a collider of its own, so that a ray or a contact identifies the part. Parts
-    /// that are data are merged all the same: see
-    /// [`SolidStorage::TileData`](crate::SolidStorage::TileData).
+    /// Every part has a collider of its own, so that a ray or a contact identifies the part. Parts that are
+    /// data of their tile are merged even so; see [`SolidStorage::TileData`](crate::SolidStorage::TileData).
     Never,
 }
 
@@ -33,36 +32,36 @@ impl Default for ColliderMerging {
     }
 }
 
-/// How the parts of an environment become colliders.
+/// A resource with the settings of the colliders of all environments.
 ///
-/// A resource for all environments; [`EnvironmentColliders`] is the same for one. It is read when parts are
+/// [`EnvironmentColliders`] has the settings of a single environment. The settings are read when parts are
 /// spawned.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct ColliderSettings {
     /// Whether the solid parts of a tile share one collider.
     pub merge: ColliderMerging,
-    /// Solids of a merged tile that are on the floor and at least this many metres high count as high as
-    /// everything, in metres of the world, whatever the environment's scale. Lower ones, and those above the floor,
-    /// share a collider with others of their [`HeightRange`](crate::HeightRange) alone. At least as high as the
-    /// highest laser, so that it sees what it should.
+    /// The height in metres, in the world's own scale, from which a solid on the floor counts as infinitely
+    /// high in a merged tile. Lower solids, and those above the floor, share a collider only with others of
+    /// the same [`HeightRange`](crate::HeightRange). It should be at least the height of the highest laser,
+    /// so that the laser detects the right solids.
     pub full_height: f64,
-    /// Whether there are colliders over doorways, which only robots that are higher than a door need. A ray
-    /// whose filter does not ask for their [`HeightRange`](crate::HeightRange) does not pass the doorway.
+    /// Whether the lintels over doorways have colliders, which only robots that are higher than a door need.
+    /// A ray does not pass such a doorway, unless its filter checks the [`HeightRange`](crate::HeightRange).
     pub lintels: bool,
-    /// Whether surfaces, rooms and doorways get sensors.
+    /// Whether surfaces, rooms and doorways have sensors.
     pub sensors: bool,
-    /// Coefficient of friction of walls, trees, obstacles, people and leaves.
+    /// The coefficient of friction of walls, trees, obstacles, people and leaves.
     pub friction: f32,
-    /// Coefficient of restitution of walls, trees and obstacles, 0 for no bounce.
+    /// The coefficient of restitution of walls, trees and obstacles. It is 0 for no bounce.
     pub restitution: f32,
-    /// Collision groups of walls, trees and obstacles.
+    /// The collision groups of walls, trees and obstacles.
     pub solid_groups: CollisionGroups,
-    /// Collision groups of leaves, and of doorways that are closed for ever.
+    /// The collision groups of leaves, and of doorways that are permanently closed.
     pub door_groups: CollisionGroups,
-    /// Collision groups of people.
+    /// The collision groups of people.
     pub person_groups: CollisionGroups,
-    /// Collision groups of sensors, which by default detect everything but the world's own parts.
+    /// The collision groups of sensors. By default sensors detect everything except the parts of the world.
     pub sensor_groups: CollisionGroups,
 }
 
@@ -99,13 +98,13 @@ impl Default for ColliderSettings {
     }
 }
 
-/// The [`ColliderSettings`] of one environment, on its entity. Inserting it replaces the colliders of the parts that
-/// are there, and all that is of colliders on their entities.
+/// A component with the [`ColliderSettings`] of a single environment, on its entity. Inserting it replaces
+/// the colliders of the existing parts, and all components of these colliders.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct EnvironmentColliders(pub ColliderSettings);
 
-/// The settings of an environment.
+/// Returns the settings of an environment.
 pub(super) fn settings_of(world: &World, environment: Entity) -> ColliderSettings {
     match world.get::<EnvironmentColliders>(environment) {
         Some(own) => own.0,

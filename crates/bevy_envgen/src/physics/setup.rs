@@ -1,4 +1,4 @@
-//! The set-up of rapier for worlds seen from above.
+//! Sets up rapier for worlds that are seen from above.
 
 use std::fmt::Display;
 
@@ -12,11 +12,11 @@ use envgen::SpecError;
 
 use super::HeightHooks;
 
-/// Adds rapier for worlds seen from above: no gravity, metres, and steps of fixed length in
-/// `FixedUpdate`. Contacts are filtered by [`HeightHooks`].
+/// Adds rapier for worlds that are seen from above: without gravity, in metres, and with steps of a fixed
+/// length in `FixedUpdate`. Contacts are filtered by [`HeightHooks`].
 ///
-/// By default rapier has gravity along -y and steps of varying length, so that no two runs are the
-/// same. Apps that add `RapierPhysicsPlugin` themselves do not need this plugin; it then warns and
+/// By default, rapier has gravity along -y and steps of varying length, so that no two runs are the same.
+/// Apps that add `RapierPhysicsPlugin` themselves do not need this plugin, which then logs a warning and
 /// changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TopDownPhysicsPlugin {
@@ -25,10 +25,10 @@ pub struct TopDownPhysicsPlugin {
 }
 
 impl TopDownPhysicsPlugin {
-    /// With `steps_per_second` steps per second, from 1 to 100,000.
+    /// Creates the plugin with `steps_per_second` steps per second, from 1 to 100,000.
     ///
     /// # Panics
-    /// If the number is out of range or NaN, which is a mistake in the program.
+    /// Panics if the number is out of range or not a number, which is a mistake in the program.
     pub fn new(steps_per_second: f64) -> Self {
         if !(1.0..=1e5).contains(&steps_per_second) {
             refuse("steps_per_second", steps_per_second, "a number from 1 to 100000");
@@ -36,11 +36,11 @@ impl TopDownPhysicsPlugin {
         TopDownPhysicsPlugin { steps_per_second, substeps: 1 }
     }
 
-    /// Splits each step into `substeps` equal steps of rapier, from 1 to 1000. Forces and commands
-    /// are constant over a whole step.
+    /// Divides each step into `substeps` equal steps of rapier, from 1 to 1000. Forces and commands are
+    /// constant during a whole step.
     ///
     /// # Panics
-    /// If the number is out of range, which is a mistake in the program.
+    /// Panics if the number is out of range, which is a mistake in the program.
     pub fn with_substeps(self, substeps: usize) -> Self {
         if !(1..=1000).contains(&substeps) {
             refuse("substeps", substeps, "a whole number from 1 to 1000");
@@ -49,7 +49,8 @@ impl TopDownPhysicsPlugin {
     }
 }
 
-/// Whether rapier's plugin is added, with any hooks: by the resources that it inserts, either of which an app may have.
+/// Returns whether rapier's plugin is added, with any hooks. An app may have either of the two resources for
+/// another reason, so it checks both.
 fn has_rapier(app: &App) -> bool {
     let world = app.world();
     world.contains_resource::<RapierContextInitialization>()
@@ -81,7 +82,7 @@ impl Plugin for TopDownPhysicsPlugin {
         let integration_parameters = IntegrationParameters { dt, ..default() };
         app.insert_resource(Time::<Fixed>::from_hz(self.steps_per_second))
             .insert_resource(TimestepMode::Fixed { dt, substeps: self.substeps })
-            // Rapier itself does not let Bevy clear its messages.
+            // Rapier itself does not register its messages, so Bevy would not clear them.
             .add_message::<CollisionEvent>()
             .add_message::<ContactForceEvent>()
             .add_message::<MassModifiedMessage>()
@@ -103,7 +104,7 @@ mod tests {
     use super::*;
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
-    /// The message of a constructor that refuses its argument.
+    /// Returns the panic message of a constructor that rejects its argument.
     fn refusal(construct: impl FnOnce() -> TopDownPhysicsPlugin) -> Option<String> {
         let panic = catch_unwind(AssertUnwindSafe(construct)).err()?;
         panic.downcast_ref::<String>().cloned()
