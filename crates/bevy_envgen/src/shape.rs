@@ -1,4 +1,4 @@
-//! The shape of a part, in its own frame and in single precision.
+//! The shape of a part, in the frame of the part and in single precision.
 
 use bevy::prelude::*;
 #[cfg(feature = "serialize")]
@@ -6,50 +6,49 @@ use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
 use envgen::geometry::{Rect as WorldRect, Shape, unit_vector};
 use envgen::glam::DVec2;
 
-/// The shape of a part in the frame of its [`Transform`], in metres.
+/// A component with the shape of a part in the frame of its [`Transform`], in metres.
 ///
-/// Colliders and meshes are derived from it. Together with the transform it is the shape of
+/// Colliders and meshes are derived from it. Together with the transform, it is the shape of
 /// [`envgen::geometry`] in single precision.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub enum PartShape {
-    /// A point, its heading along +x.
+    /// A point with a heading along +x.
     Point,
-    /// A line without thickness along the x axis, its middle at the origin.
+    /// A line without thickness along the x axis, centred at the origin.
     Segment {
         /// Half the length.
         half_length: f32,
     },
-    /// A filled circle around the origin.
+    /// A filled circle, centred at the origin.
     Disc {
-        /// Radius.
+        /// The radius.
         radius: f32,
     },
-    /// A filled rectangle around the origin.
+    /// A filled rectangle, centred at the origin.
     Box {
-        /// Half the extent along x and y.
+        /// Half the size along x and y.
         half_size: Vec2,
     },
-    /// A filled simple polygon, counter-clockwise, without a repeated last corner.
+    /// A filled simple polygon. Corners are counter-clockwise, and the first is not repeated at the end.
     Polygon {
         /// At least three corners.
         vertices: Vec<Vec2>,
     },
     /// A strip of constant width along a line.
     Strip {
-        /// Points of the middle line, in the direction of travel.
+        /// The points of the centre line, in the direction of travel.
         centreline: Vec<Vec2>,
-        /// Full width.
+        /// The full width.
         width: f32,
-        /// Whether the last point joins the first.
+        /// Whether the last point is connected to the first.
         closed: bool,
     },
 }
 
-/// Conversion from the world's double precision to a frame whose origin is a given point of the
-/// world.
+/// Converts from the double precision of the world to a frame whose origin is a given point of the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalFrame {
     origin: DVec2,
@@ -60,10 +59,10 @@ impl LocalFrame {
         LocalFrame { origin }
     }
 
-    /// A pose in the frame.
+    /// Returns a pose in the frame.
     pub(crate) fn pose(self, position: DVec2, heading: f64) -> Transform {
         let at = (position - self.origin).as_vec2();
-        // Sine and cosine from `libm`, so that transforms are the same on every platform.
+        // Sine and cosine are from `libm`, so that transforms are the same on every platform.
         let half = unit_vector(0.5 * heading);
         let rotation = if heading == 0.0 {
             Quat::IDENTITY
@@ -73,7 +72,7 @@ impl LocalFrame {
         Transform { translation: at.extend(0.0), rotation, scale: Vec3::ONE }
     }
 
-    /// A shape of the world as a transform and a shape in that transform's frame.
+    /// Converts a shape of the world to a transform and a shape in the frame of that transform.
     pub(crate) fn place(self, shape: &Shape) -> (Transform, PartShape) {
         match shape {
             Shape::Segment { a, b } => {
@@ -95,12 +94,12 @@ impl LocalFrame {
         }
     }
 
-    /// Points relative to the middle of their bounding box, and that middle.
+    /// Returns points relative to the centre of their bounding box, and the transform of that centre.
     pub(crate) fn around(self, points: &[DVec2]) -> (Transform, Vec<Vec2>) {
         let middle =
             WorldRect::around(points.iter().copied()).map_or(DVec2::ZERO, WorldRect::center);
         let transform = self.pose(middle, 0.0);
-        // Relative to the rounded middle, so that its rounding error is corrected.
+        // Points are relative to the rounded centre, which corrects its rounding error.
         let rounded = transform.translation.truncate().as_dvec2() + self.origin;
         (transform, points.iter().map(|point| (*point - rounded).as_vec2()).collect())
     }
@@ -111,7 +110,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The corners of a placed shape, in the environment's frame.
+    /// Returns the corners of a placed shape in the frame of the environment.
     fn corners(transform: Transform, shape: &PartShape) -> Vec<Vec2> {
         let local = match shape {
             PartShape::Segment { half_length } => {
@@ -144,7 +143,7 @@ mod tests {
                     prop_assert_eq!(ours.len(), shape.corners().len());
                     for (ours, theirs) in ours.iter().zip(shape.corners()) {
                         let theirs = theirs - shift;
-                        // A few units in the last place at this distance.
+                        // The tolerance is a few units in the last place at this distance.
                         let tolerance = 1e-5 + 5e-7 * theirs.length();
                         prop_assert!(ours.as_dvec2().distance(theirs) < tolerance);
                     }

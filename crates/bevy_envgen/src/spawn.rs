@@ -1,4 +1,4 @@
-//! Spawning a world's parts as entities.
+//! Spawns the parts of worlds as entities.
 
 use bevy::ecs::bundle::NoBundleEffect;
 use bevy::prelude::*;
@@ -16,48 +16,48 @@ use crate::place::global_transform;
 use crate::plan::{PartRef, Plan, TileKey, block_cells};
 use crate::shape::{LocalFrame, PartShape};
 
-/// A group of neighbouring parts: the entity between an environment and its parts, which are
-/// spawned and despawned with it.
+/// A component of a group of neighbouring parts. It is on an entity between the environment and the parts,
+/// and the parts are spawned and despawned together with it.
 ///
-/// Its transform is the identity, so that a part's [`Transform`] is its pose in the environment's
-/// frame.
+/// The transform of the tile is the identity, so that the [`Transform`] of a part is its pose in the frame of
+/// the environment.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 #[require(Transform)]
 pub struct Tile {
-    /// How often the side of the smallest tiles is doubled: tiles of a higher level hold parts that
-    /// are longer than that side.
+    /// The number of times that the side of the smallest tiles is doubled. Tiles of a higher level contain
+    /// parts that are longer than the side of a smaller tile.
     pub level: u8,
-    /// The position in the grid of that level: column and row.
+    /// The column and the row in the grid of that level.
     pub at: [i32; 2],
-    /// The number of this entity among those of the same tile: tiles of many parts are split.
+    /// The index of this entity among those of the same tile, since tiles with many parts are split.
     pub page: u32,
 }
 
-/// The solid parts of a [`Tile`] that are stored as data, not as entities, in the order of their
-/// ids: see [`SolidStorage::TileData`]. On the entity of the tile.
+/// A component with the solid parts of a [`Tile`] that are stored as data instead of as entities, in the
+/// order of their ids; see [`SolidStorage::TileData`]. It is on the entity of the tile.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct TileSolids(pub Vec<SolidPart>);
 
-/// A solid part stored as tile data, with its local transform. Its other properties are in the
-/// [`GroundTruth`](crate::GroundTruth), under [`PartId::in_world`].
+/// A solid part that is stored as data of its tile. [`PartId::in_world`] is the key of its other properties
+/// in the [`GroundTruth`](crate::GroundTruth).
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[reflect(Debug, PartialEq, Clone)]
 pub struct SolidPart {
-    /// Its stable id.
+    /// The stable id of the part.
     pub id: PartId,
-    /// Its pose in the environment's frame.
+    /// The pose of the part in the frame of the environment.
     pub transform: Transform,
-    /// Its shape.
+    /// The shape of the part.
     pub shape: PartShape,
-    /// Its bottom and top; every solid part has them.
+    /// The bottom and the top of the part. Every solid part has them.
     pub height: Option<HeightRange>,
 }
 
-/// Triggered on an environment for every [`Tile`] when it is spawned, before the environment is
-/// reported ready. Use it to add components to the tile or its parts.
+/// An event that is triggered on an environment for every [`Tile`] that is spawned, before the environment is
+/// reported ready. Observers can add components to the tile and its parts.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -78,10 +78,10 @@ pub struct SolidPart {
 /// # assert!(app.world_mut().query::<&Health>().iter(app.world()).count() > 100);
 /// ```
 ///
-/// The order of observers is not defined. The time that they and their commands take in a streamed
-/// world counts towards the frame's [`StreamingBudget`](crate::StreamingBudget). Systems between
-/// [`EnvgenSystems::Stream`](crate::EnvgenSystems) and `Notify` see all tiles of the frame with
-/// everything that observers added, and find the new tiles by `Added<Tile>`.
+/// The order of observers is not defined. In a streamed world the time of the observers and their commands
+/// counts towards the [`StreamingBudget`](crate::StreamingBudget) of the frame. Systems between
+/// [`EnvgenSystems::Stream`](crate::EnvgenSystems) and `Notify` see all tiles of the frame, with everything
+/// that observers have added, and can find the new tiles with `Added<Tile>`.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TileSpawned {
     /// The entity of the environment.
@@ -89,13 +89,14 @@ pub struct TileSpawned {
     pub environment: Entity,
     /// The entity of the tile.
     pub tile: Entity,
-    /// The entities of its parts, in the order of their ids. Parts stored as data are in the
-    /// [`TileSolids`] of the tile.
+    /// The entities of the parts of the tile, in the order of their ids. Parts that are stored as data are in
+    /// the [`TileSolids`] of the tile.
     pub parts: Vec<Entity>,
 }
 
 impl TileSpawned {
-    /// All parts of the tile, entities and data, with their poses in the environment's frame.
+    /// Returns all parts of the tile, both entities and data, with their poses in the frame of the
+    /// environment.
     pub fn placed<'w>(
         &'w self,
         world: &'w World,
@@ -108,7 +109,7 @@ impl TileSpawned {
         entities.chain(data.iter().map(|part| (part.id, &part.transform, &part.shape)))
     }
 
-    /// The solid parts of the tile, entities and data, with their heights.
+    /// Returns the solid parts of the tile, both entities and data, with their heights.
     #[cfg(feature = "physics")]
     pub(crate) fn solids<'w>(
         &'w self,
@@ -125,7 +126,7 @@ impl TileSpawned {
     }
 }
 
-/// The ancestors of the parts of a tile.
+/// The ancestors of the parts of a tile, and their global transform.
 #[derive(Clone, Copy)]
 struct Ancestors {
     environment: Entity,
@@ -133,7 +134,7 @@ struct Ancestors {
     global: GlobalTransform,
 }
 
-/// Spawns one page of a tile of a finite world; `None` when the environment is gone.
+/// Spawns one page of a tile of a finite world. Returns `None` if the environment no longer exists.
 pub(crate) fn spawn_page(
     world: &mut World,
     environment: Entity,
@@ -159,8 +160,8 @@ pub(crate) fn spawn_page(
     Some(ancestors.tile)
 }
 
-/// Spawns some trees of a tile of an endless forest; `first` is the index of the first one. `None`
-/// when the environment is gone.
+/// Spawns some trees of a tile of an endless forest. `first` is the index of the first tree. Returns `None`
+/// if the environment no longer exists.
 pub(crate) fn spawn_trees(
     world: &mut World,
     environment: Entity,
@@ -199,7 +200,7 @@ pub(crate) fn spawn_trees(
     Some(ancestors.tile)
 }
 
-/// Spawns a tile without its parts; `None` when an observer has despawned or removed the environment.
+/// Spawns a tile without its parts. Returns `None` if an observer has despawned or removed the environment.
 fn spawn_tile(
     world: &mut World,
     environment: Entity,
@@ -210,7 +211,7 @@ fn spawn_tile(
     let TileKey { level, at: [i, j] } = key;
     let name = Name::new(format!("tile ({i}, {j})"));
     let tile = Tile { level, at: key.at, page: page as u32 };
-    // Correct at once, whenever Bevy propagates transforms.
+    // This is correct at once, before Bevy propagates transforms.
     let global = global_transform(world, environment).mul_transform(Transform::IDENTITY);
     let tile = world.spawn((tile, name, global, ChildOf(environment))).id();
     Some(Ancestors { environment, tile, global })
@@ -223,7 +224,7 @@ fn store_solids(world: &mut World, tile: Entity, solids: Vec<SolidPart>) {
     }
 }
 
-/// A solid part as data; `None` for parts of other kinds.
+/// Returns a solid part as data, or `None` for parts of other kinds.
 fn solid(frame: LocalFrame, truth: &EnvgenWorld, part: PartRef) -> Option<SolidPart> {
     let i = part.index as usize;
     let ((transform, shape), extent) = match part.kind {
@@ -236,14 +237,14 @@ fn solid(frame: LocalFrame, truth: &EnvgenWorld, part: PartRef) -> Option<SolidP
     Some(SolidPart { id, transform, shape, height: Some(extent.into()) })
 }
 
-/// Triggers [`TileSpawned`], so that observers can add to the new parts.
+/// Triggers [`TileSpawned`], so that observers can add components to the new parts.
 fn trigger_spawned(world: &mut World, ancestors: Ancestors, parts: Vec<Entity>) {
     let Ancestors { environment, tile, .. } = ancestors;
     world.trigger(TileSpawned { environment, tile, parts });
     world.flush();
 }
 
-/// The components of a part: the common ones and those of its kind.
+/// Returns the components of a part: those of all parts, and those of its kind.
 fn part<P: Bundle<Effect: NoBundleEffect>>(
     ancestors: Ancestors,
     id: PartId,
@@ -255,7 +256,8 @@ fn part<P: Bundle<Effect: NoBundleEffect>>(
     (id, Name::new(name(id)), belongs, transform, global, shape, part)
 }
 
-/// The id as text, without `format!`: naming parts is a large share of the cost of spawning.
+/// Returns the id as text. It avoids `format!`, since naming the parts is a large share of the cost of
+/// spawning.
 fn name(id: PartId) -> String {
     if id.tile != [0, 0] {
         return id.to_string();

@@ -1,4 +1,4 @@
-//! Streaming: spawning and despawning the tiles of a world around an anchor.
+//! Streaming: spawns and despawns the tiles of a world around an anchor.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -20,25 +20,26 @@ use crate::place::global_transform;
 use crate::plan::{Plan, TileKey, distance};
 use crate::spawn::{TileSolids, spawn_page, spawn_trees};
 
-/// The most trees that one tile entity of an endless forest holds.
+/// The largest number of trees of one tile entity of an endless forest.
 const PAGE: usize = 128;
 
-/// The most tiles across a window.
+/// The largest number of tiles across the window of streaming.
 const MAX_TILES_ACROSS: f64 = 512.0;
 
-/// Tiles of an endless forest that other threads generate at the same time.
+/// The largest number of tiles of an endless forest that are generated at the same time in the background.
 const MAX_TASKS: usize = 16;
 
-/// [`GenerationMode::Auto`] blocks to generate a tile of an endless forest that is expected to hold
-/// at most this many trees.
+/// The largest expected number of trees in a tile of an endless forest for which [`GenerationMode::Auto`]
+/// blocks.
 const IN_PLACE_TREES: f64 = 500.0;
 
-/// Spawns only the tiles that have a part within `radius` of an anchor.
+/// A component that limits the spawned tiles to those with a part within `radius` of an anchor.
 ///
-/// On the entity of an [`Environment`]. Once the [`StreamingBudget`] has let the window settle, the
-/// spawned parts depend only on the anchor's current position, not on where it has been. Adding or
-/// removing the component, or changing `tile`, rebuilds the world. In scenes and clones the anchor
-/// is the loaded or cloned entity, if it is among them.
+/// Add it to the entity of an [`Environment`]. Once everything within the radius is spawned, which may take
+/// several frames because of the [`StreamingBudget`], the spawned parts depend only on the current position
+/// of the anchor, not on its earlier positions. Adding or removing the component, or changing `tile`,
+/// rebuilds the world. In scenes and clones, the anchor is the spawned or cloned entity, if the anchor is
+/// part of them.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -61,33 +62,33 @@ pub struct StreamAround {
     /// The entity around which the world is spawned, such as a robot or a camera.
     #[entities]
     pub anchor: Entity,
-    /// Everything within this distance of the anchor is spawned, in metres.
+    /// The distance in metres from the anchor within which everything is spawned.
     pub radius: f64,
-    /// Side of a tile in metres; ignored for an endless world, which has its own.
+    /// The side of a tile in metres. It is ignored for an endless world, which defines its own.
     pub tile: f64,
 }
 
 impl StreamAround {
-    /// Everything within `radius` metres of the anchor, in tiles of a quarter of that.
+    /// Streams everything within `radius` metres of the anchor, in tiles of a quarter of that.
     pub fn new(anchor: Entity, radius: f64) -> Self {
         StreamAround { anchor, radius, tile: 0.25 * radius }
     }
 
-    /// The same in tiles of `tile` metres.
+    /// Sets the side of a tile in metres.
     pub fn with_tile(self, tile: f64) -> Self {
         StreamAround { tile, ..self }
     }
 }
 
-/// How much work streaming may do per frame, for all worlds together.
+/// A resource that limits the work of streaming per frame, for all worlds together.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub enum StreamingBudget {
-    /// Elapsed time. At least one step is taken in every frame, which spawns 128 parts or despawns
-    /// a tile, so that the window settles with any budget.
+    /// A time limit. At least one step is taken in every frame, which spawns 128 parts or despawns a tile, so
+    /// that streaming completes with any budget.
     Time(Duration),
-    /// Number of parts spawned or despawned, rounded up to whole steps: the same in every run, for
-    /// simulations that must be repeatable frame by frame.
+    /// A limit on the number of spawned and despawned parts, rounded up to whole steps. It gives the same
+    /// result in every run, for simulations that must be repeatable frame by frame.
     Parts(usize),
 }
 
@@ -97,34 +98,34 @@ impl Default for StreamingBudget {
     }
 }
 
-/// What streaming did in the last frame. Its time is also a diagnostic:
+/// A resource that reports what streaming did in the last frame. The time is also a diagnostic:
 /// [`EnvgenDiagnosticsPlugin::STREAMING_TIME`].
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct StreamingReport {
-    /// Tile entities that were spawned.
+    /// The number of tile entities that were spawned.
     pub spawned: usize,
-    /// Tile entities that were despawned.
+    /// The number of tile entities that were despawned.
     pub despawned: usize,
-    /// Tiles that still have to be spawned or despawned.
+    /// The number of tiles that still have to be spawned or despawned.
     pub waiting: usize,
-    /// The time that it took.
+    /// The time that streaming took.
     pub time: Duration,
 }
 
-/// A world that is streamed.
+/// A component with the state of a streamed world.
 #[derive(Component)]
 pub(crate) struct Streaming {
     made: Generated,
     layout: TileLayout,
-    /// The number of the request that it is the world of.
+    /// The number of the request of this world.
     request: u64,
-    /// Tiles that are fully spawned.
+    /// The tiles that are completely spawned.
     complete: BTreeSet<TileKey>,
-    /// Tiles of an endless forest that are generated or being generated, but not fully spawned.
+    /// The tiles of an endless forest that are generated or being generated, but not completely spawned.
     drawn: Vec<(TileKey, Drawing)>,
     settled: bool,
-    /// The bits of the radius that was refused last.
+    /// The bits of the last rejected radius.
     refused: Option<u64>,
     /// Whether a missing anchor has been reported.
     warned: bool,
@@ -142,7 +143,7 @@ impl Streaming {
         Streaming { made, layout, request, complete, drawn, settled, refused, warned }
     }
 
-    /// Waits for its tasks; false when it has none.
+    /// Waits for the running tasks, and returns whether there were any.
     #[cfg(feature = "testing")]
     pub(crate) fn finish(&mut self) -> bool {
         let mut had = false;
@@ -156,7 +157,7 @@ impl Streaming {
     }
 }
 
-/// What remains of a frame's budget.
+/// The remaining budget of a frame.
 struct Allowance {
     budget: StreamingBudget,
     start: Instant,
@@ -167,7 +168,7 @@ struct Allowance {
 }
 
 impl Allowance {
-    /// Whether one more step fits.
+    /// Returns whether the budget allows another step.
     fn remains(&self) -> bool {
         self.steps == 0
             || match self.budget {
@@ -176,7 +177,7 @@ impl Allowance {
             }
     }
 
-    /// Takes a step that spawns or despawns `parts` parts.
+    /// Runs a step that spawns or despawns `parts` parts.
     fn step<T>(&mut self, parts: usize, work: impl FnOnce() -> T) -> T {
         let start = Instant::now();
         let result = work();
@@ -204,8 +205,8 @@ fn check_radius(radius: f64, tile: f64) -> Result<(), EnvironmentError> {
     Err(EnvironmentError::Stream { field: "radius", value: radius, allowed })
 }
 
-/// Spawns and despawns tiles of all streamed worlds within the budget. They take turns to be the first, so that none
-/// waits for ever for another that always has something to do.
+/// Spawns and despawns tiles of all streamed worlds within the budget. A different world is the first in each
+/// frame, so that no world waits forever for one that always has something to do.
 pub(crate) fn stream_tiles(
     world: &mut World,
     streamed: &mut QueryState<Entity, With<Streaming>>,
@@ -248,7 +249,7 @@ fn stream(
         }
         return;
     };
-    // Taken out, so that the ECS can be borrowed for spawning; put back below.
+    // Both components are taken out, so that the ECS can be borrowed for spawning, and put back below.
     let Ok(mut entity) = world.get_entity_mut(root) else { return };
     let Some(spawned_tiles) = entity.get_mut::<SpawnedTiles>().map(|mut s| std::mem::take(&mut *s))
     else {
@@ -272,7 +273,7 @@ fn stream(
     }
 }
 
-/// The position of the anchor in the frame of the environment.
+/// Returns the position of the anchor in the frame of the environment.
 fn anchor(world: &World, root: Entity, anchor: Entity) -> Option<DVec2> {
     world.get::<Transform>(anchor)?;
     let into_frame = global_transform(world, root).affine().inverse();
@@ -280,7 +281,7 @@ fn anchor(world: &World, root: Entity, anchor: Entity) -> Option<DVec2> {
     at.is_finite().then(|| at.as_dvec2())
 }
 
-/// The tiles of an endless forest within `radius` of a point, with the distance.
+/// Returns the tiles of an endless forest within `radius` of a point, each with its distance.
 fn endless_near(forest: &EndlessForest, at: DVec2, radius: f64) -> Vec<(f64, TileKey)> {
     let cell = |p: DVec2| {
         let cell = (p / forest.tile_side()).floor();
@@ -295,7 +296,7 @@ fn endless_near(forest: &EndlessForest, at: DVec2, radius: f64) -> Vec<(f64, Til
         .collect()
 }
 
-/// The tiles of one environment while they are brought up to date with its anchor.
+/// The tiles of one environment while they are updated to the position of its anchor.
 struct TileStreamer<'a> {
     world: &'a mut World,
     root: Entity,
@@ -307,7 +308,7 @@ struct TileStreamer<'a> {
 }
 
 impl TileStreamer<'_> {
-    /// Spawns and despawns tiles towards those wanted around a point of the world, and notes
+    /// Spawns and despawns tiles to reach those that are wanted around a point of the world, and records
     /// events.
     fn follow(&mut self, stream: StreamAround, at: DVec2) {
         let at = at + self.streaming.layout.origin;
@@ -330,7 +331,7 @@ impl TileStreamer<'_> {
                 wanted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 let waiting = self.settle(&wanted);
                 self.report.waiting += waiting;
-                // Of a world that another one is requested in place of nothing is reported.
+                // A world that is about to be replaced by another request is not reported.
                 if waiting == 0
                     && is_current
                     && !std::mem::replace(&mut self.streaming.settled, true)
@@ -339,7 +340,7 @@ impl TileStreamer<'_> {
                 }
             }
             Err(error) => {
-                // Once per radius, not in every frame.
+                // An error is reported once per radius, not in every frame.
                 let radius = stream.radius.to_bits();
                 if self.streaming.refused.replace(radius) != Some(radius) {
                     self.streaming.settled = false;
@@ -349,22 +350,22 @@ impl TileStreamer<'_> {
         }
     }
 
-    /// Whether the world is the one that was requested last.
+    /// Returns whether the world is that of the last request.
     fn is_current(&self) -> bool {
         let job = self.world.get::<GenerationJob>(self.root);
         job.is_some_and(|slot| slot.is_settled(self.streaming.request))
     }
 
-    /// Takes steps towards the wanted tiles, nearest first; returns the number of tiles still to be
-    /// spawned or despawned.
+    /// Runs steps towards the wanted tiles, the nearest first. Returns the number of tiles that still have to
+    /// be spawned or despawned.
     fn settle(&mut self, wanted: &[(f64, TileKey)]) -> usize {
         let mut keys: Vec<TileKey> = wanted.iter().map(|(_, key)| *key).collect();
         keys.sort_unstable();
         let is_wanted = |key: &TileKey| keys.binary_search(key).is_ok();
         self.streaming.drawn.retain(|(key, _)| is_wanted(key));
 
-        // Tiles that are left behind go first where they have become many: else spawning takes the whole budget of a
-        // fast anchor.
+        // Tiles that are left behind are despawned first if they are many. Otherwise spawning would use the
+        // whole budget when the anchor moves fast.
         let left: Vec<TileKey> =
             self.spawned_tiles.tiles.keys().filter(|key| !is_wanted(key)).copied().collect();
         let many = left.len().saturating_sub(wanted.len() / 4);
@@ -392,7 +393,7 @@ impl TileStreamer<'_> {
         waiting
     }
 
-    /// Spawns pages of one tile within the budget; true when the tile is complete.
+    /// Spawns pages of one tile within the budget. Returns true if the tile is complete.
     fn complete(&mut self, key: TileKey) -> bool {
         let TileStreamer { world, root, pace, spawned_tiles, streaming, allowance, report } = self;
         let (root, layout) = (*root, streaming.layout);
@@ -434,7 +435,7 @@ impl TileStreamer<'_> {
         }
     }
 
-    /// Despawns the entities of one tile within the budget; true when none is left.
+    /// Despawns the entities of one tile within the budget. Returns true if none is left.
     fn remove(&mut self, key: TileKey) -> bool {
         let TileStreamer { world, spawned_tiles, streaming, allowance, report, .. } = self;
         let Some(entities) = spawned_tiles.tiles.get_mut(&key) else { return true };
@@ -456,7 +457,7 @@ impl TileStreamer<'_> {
         let gone = entities.is_empty();
         if gone {
             spawned_tiles.tiles.remove(&key);
-            // Without trees, it is gone before a step is taken.
+            // A tile without trees is removed before the first step.
             streaming.complete.remove(&key);
         }
         gone
@@ -467,7 +468,7 @@ fn pages(plan: &Plan, key: TileKey) -> usize {
     plan.tiles.get(&key).map_or(0, |tile| tile.parts.len().div_ceil(plan.page))
 }
 
-/// The trees of a tile of an endless forest, once they are generated.
+/// Returns the trees of a tile of an endless forest, once they are generated.
 fn draw(
     drawn: &mut Vec<(TileKey, Drawing)>,
     forest: &Arc<EndlessForest>,
@@ -518,7 +519,7 @@ mod tests {
     fn tiles_without_trees_are_forgotten() {
         let mut app = App::new();
         app.add_plugins(EnvgenCorePlugin::default());
-        // One step in a frame: tiles are left behind while nothing of the budget remains.
+        // The budget allows only one step per frame, so tiles are left behind.
         app.insert_resource(StreamingBudget::Parts(0));
         let anchor = app.world_mut().spawn(Transform::default()).id();
         let forest = ForestSpec { intensity: 0.001, radius: 0.3, ..default() };
@@ -527,7 +528,7 @@ mod tests {
         let around = StreamAround::new(anchor, 30.0);
         let root = app.world_mut().spawn((environment, around, Transform::default())).id();
         for frame in 0..600 {
-            // It jumps once its window is complete.
+            // The anchor jumps once all tiles around it are complete.
             let at = Vec3::X * (frame / 200) as f32 * 100.0;
             app.world_mut().get_mut::<Transform>(anchor).unwrap().translation = at;
             app.update();

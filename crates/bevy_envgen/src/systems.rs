@@ -1,17 +1,17 @@
-//! The order of systems, and the schedule that they are in.
+//! The order of the systems, and the schedule that they are in.
 
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 
-/// The systems that generate, spawn and report worlds, in this order.
+/// The system sets that generate, spawn and report worlds, in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EnvgenSystems {
-    /// Detects environments that changed and starts their generators.
+    /// Detects environments that have changed and starts their generators.
     Request,
-    /// Collects the worlds that background threads have finished.
+    /// Collects the worlds that background tasks have finished.
     Collect,
-    /// Despawns the previous parts and spawns the new ones, with all that other plugins add.
+    /// Despawns the previous parts and spawns the new ones, including everything that observers add.
     Spawn,
     /// Spawns and despawns the tiles of streamed worlds around their anchors.
     Stream,
@@ -20,7 +20,7 @@ pub enum EnvgenSystems {
     Notify,
 }
 
-/// The schedule of the core plugin's systems, for the plugins that are added after it.
+/// A resource with the schedule of the core plugin's systems, for plugins that are added later.
 #[derive(Resource, Clone, Copy)]
 pub(crate) struct EnvgenSchedules {
     pub(crate) main: Interned<dyn ScheduleLabel>,

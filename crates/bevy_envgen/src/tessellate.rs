@@ -3,9 +3,10 @@
 use bevy::math::Vec2;
 use earcut::Earcut;
 
-/// The corners of counter-clockwise triangles that fill a simple polygon. Triangles without area,
-/// which collinear corners cause, are left out. Not by `envgen::mesh::triangulate`, which refuses outlines that touch
-/// themselves, as narrow ones do once they are in single precision.
+/// Splits a simple polygon into counter-clockwise triangles and returns the indices of their corners.
+/// Triangles without an area, which collinear corners cause, are left out. It does not use
+/// `envgen::mesh::triangulate`, which rejects outlines that touch themselves, as narrow ones do in single
+/// precision.
 pub(crate) fn triangles(polygon: &[Vec2]) -> Vec<[u32; 3]> {
     let mut corners: Vec<u32> = Vec::new();
     Earcut::new().earcut(polygon.iter().map(|p| p.as_dvec2().to_array()), &[], &mut corners);

@@ -1,5 +1,5 @@
-//! Helpers for tests of apps that use this crate: an app whose time is counted in steps, and access
-//! to what is spawned in it. With the feature `testing`, which is for dev-dependencies.
+//! Helpers for tests of apps that use this crate: an app whose time advances in steps, and access to what is
+//! spawned in it. They need the feature `testing`, which is meant for dev-dependencies.
 //!
 //! ```
 //! use bevy_envgen::prelude::*;
@@ -26,29 +26,29 @@ use crate::{
     EnvgenPlugins, HeightRange, PartId, PartShape, SolidPart, TileSolids, run_on_one_thread,
 };
 
-/// Fixed steps per second of [`test_app`].
+/// The number of fixed steps per second of [`test_app`].
 pub const STEPS_A_SECOND: f64 = 64.0;
 
-/// The most frames that [`wait_until_ready`] waits. While a file is loaded, a frame takes at least
-/// one millisecond.
+/// The largest number of frames that [`wait_until_ready`] waits. While a file is loaded, a frame takes at
+/// least one millisecond.
 const MOST_FRAMES: usize = 60_000;
 
-/// A headless app with every plugin of this crate and the plugins that they need, in which a frame
-/// is exactly one fixed step of 1/64 s. It is finished and has run its first, empty frame. Its systems
+/// Creates a headless app with every plugin of this crate and the plugins that they need. A frame is exactly
+/// one fixed step of 1/64 s. The app is finished and has run its first frame, which is empty. Its systems
 /// [run on one thread](crate::run_on_one_thread).
 pub fn test_app() -> App {
     test_app_with(EnvgenPlugins::default())
 }
 
-/// The same with assets from `folder`; with the feature `file_watcher`, files that change are
-/// reloaded.
+/// Creates the app of `test_app` with assets from `folder`. With the feature `file_watcher`, files that
+/// change are reloaded.
 #[cfg(feature = "asset")]
 pub fn test_app_in(folder: &std::path::Path) -> App {
     let file_path = folder.to_string_lossy().into_owned();
     finished(AssetPlugin { file_path, ..default() }, EnvgenPlugins::default())
 }
 
-/// The same with the given plugins in place of this crate's.
+/// Creates the app of `test_app` with the given plugins in place of those of this crate.
 pub fn test_app_with<M>(plugins: impl bevy::app::Plugins<M>) -> App {
     #[cfg(feature = "asset")]
     let assets = AssetPlugin::default();
@@ -70,26 +70,27 @@ fn finished<A, M>(assets: impl bevy::app::Plugins<A>, plugins: impl bevy::app::P
     run_on_one_thread(&mut app);
     app.finish();
     app.cleanup();
-    // Time starts with the second frame.
+    // Time does not advance in the first frame.
     app.update();
     app
 }
 
-/// Runs `frames` frames, which are as many fixed steps in a [`test_app`].
+/// Runs `frames` frames. In a [`test_app`] each is one fixed step.
 pub fn step(app: &mut App, frames: usize) {
     for _ in 0..frames {
         app.update();
     }
 }
 
-/// Runs frames until an environment is ready or has failed. Its tasks are waited for. Only while a
-/// file of its spec is loaded, on other threads, does each frame wait for a millisecond.
+/// Runs frames until an environment is ready or has failed. It waits for the tasks of the environment. Only
+/// while a file of its spec is loaded, each frame waits for a millisecond, since other threads do that.
 ///
 /// # Errors
-/// The reason why the environment failed.
+/// Returns the error of the environment if it has failed.
 ///
 /// # Panics
-/// If it is neither ready nor failed after 60,000 frames, or the entity has no [`Environment`].
+/// Panics if the environment is neither ready nor failed after 60,000 frames, or if the entity has no
+/// [`Environment`].
 pub fn wait_until_ready(app: &mut App, environment: Entity) -> Result<(), EnvironmentError> {
     for _ in 0..MOST_FRAMES {
         app.update();
@@ -112,13 +113,13 @@ pub fn wait_until_ready(app: &mut App, environment: Entity) -> Result<(), Enviro
 /// Spawns an environment and waits until it is ready.
 ///
 /// # Errors
-/// The reason why the environment failed.
+/// Returns the error of the environment if it has failed.
 pub fn spawn_ready(app: &mut App, environment: Environment) -> Result<Entity, EnvironmentError> {
     let environment = app.world_mut().spawn(environment).id();
     wait_until_ready(app, environment).map(|()| environment)
 }
 
-/// The parts below an environment, entities and data, in the order of their ids.
+/// Returns the parts below an environment, both entities and data, in the order of their ids.
 pub fn parts(app: &App, environment: Entity) -> Vec<SolidPart> {
     let mut parts = Vec::new();
     let mut below = vec![environment];
@@ -138,14 +139,15 @@ pub fn parts(app: &App, environment: Entity) -> Vec<SolidPart> {
     parts
 }
 
-/// A digest of the [`parts`]: equal for equal ids, transforms and shapes, to the last bit.
+/// Returns a digest of the [`parts`]. It is equal if the ids, transforms and shapes are equal to the last
+/// bit.
 pub fn digest(app: &App, environment: Entity) -> Digest {
     let parts = parts(app, environment);
     let parts: Vec<_> = parts
         .iter()
         .map(|part| {
             let PartId { kind, tile, index } = part.id;
-            // Digests have always had spaces in the names of kinds.
+            // Digests have always used spaces in the names of kinds.
             let kind = kind.name().replace('_', " ");
             (kind, tile, index, transform_bits(&part.transform), shape_bits(&part.shape))
         })
@@ -159,7 +161,7 @@ fn transform_bits(transform: &Transform) -> Vec<u32> {
     numbers.into_iter().flatten().map(|number| number.to_bits()).collect()
 }
 
-/// A shape as its name and its numbers.
+/// Returns a shape as its name and the bits of its numbers.
 fn shape_bits(shape: &PartShape) -> (&'static str, Vec<u32>) {
     let bits = |numbers: &[f32]| numbers.iter().map(|number| number.to_bits()).collect();
     let points = |points: &[Vec2]| -> Vec<u32> {
@@ -179,10 +181,10 @@ fn shape_bits(shape: &PartShape) -> (&'static str, Vec<u32>) {
     }
 }
 
-/// The numbers of colliders and bodies in rapier's own sets.
+/// Returns the numbers of colliders and of bodies in rapier's own sets.
 ///
 /// # Panics
-/// If the app has no context of rapier, or a collider of it belongs to no entity.
+/// Panics if the app has no rapier context, or if a collider in it belongs to no entity.
 #[cfg(feature = "physics")]
 pub fn in_rapier(app: &mut App) -> (usize, usize) {
     use bevy_rapier2d::prelude::{RapierContextColliders, RapierRigidBodySet};
@@ -193,8 +195,8 @@ pub fn in_rapier(app: &mut App) -> (usize, usize) {
     (colliders.colliders.len(), bodies.bodies.len())
 }
 
-/// Lets the app panic if two of its systems in `Update`, `FixedUpdate` or `PostUpdate` access the same
-/// data in no certain order.
+/// Makes the app panic if two of its systems in `Update`, `FixedUpdate` or `PostUpdate` access the same data
+/// in an undefined order.
 pub fn refuse_ambiguities(app: &mut App) {
     for schedule in [Update.intern(), FixedUpdate.intern(), PostUpdate.intern()] {
         app.edit_schedule(schedule, |schedule| {
@@ -204,10 +206,10 @@ pub fn refuse_ambiguities(app: &mut App) {
     }
 }
 
-/// The exact world of an environment that is ready.
+/// Returns the exact world of an environment that is ready.
 ///
 /// # Panics
-/// If it has none.
+/// Panics if the environment has no world.
 pub fn truth(app: &App, environment: Entity) -> GroundTruth {
     match app.world().get::<GroundTruth>(environment) {
         Some(truth) => truth.clone(),
@@ -219,8 +221,7 @@ pub fn truth(app: &App, environment: Entity) -> GroundTruth {
 mod tests {
     use super::*;
 
-    /// Values that a digest must distinguish, although they look the same when printed to some
-    /// digits.
+    /// Checks that a digest distinguishes values that look the same when printed with a few digits.
     #[test]
     fn digests_see_single_bits() {
         let next = |x: f32| f32::from_bits(x.to_bits() + 1);

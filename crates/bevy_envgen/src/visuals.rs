@@ -1,4 +1,5 @@
-//! Meshes and colours for the parts of worlds, and for the people, doors and smoke of scenarios.
+//! Two-dimensional meshes and colours for the parts of worlds, and for the people, doors and smoke of
+//! scenarios.
 
 mod drawing;
 pub(crate) mod ground;
@@ -22,21 +23,21 @@ use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSpawned};
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
-/// The largest distance of road meshes from the exact edges, in metres.
+/// The largest distance in metres between the mesh of a road and its exact edges.
 const ROAD_TOLERANCE: f64 = 0.01;
 
-/// Draws the parts of worlds: one mesh per tile and colour, as children of the tile. People, leaves and smoke of
-/// scenarios have meshes as children.
+/// Draws the parts of worlds with one mesh per tile and colour, as children of the tile. The people, leaves
+/// and smoke of scenarios have meshes as children.
 ///
-/// Needs Bevy's plugins for meshes and `ColorMaterial`s; without them it draws nothing. No other
-/// plugin depends on it. By default the colours are those that the app has, if it has any.
+/// Needs Bevy's plugins for meshes and `ColorMaterial`s, and draws nothing without them. No other plugin
+/// depends on this one. By default it uses the `WorldPalette` that the app already has, if any.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenVisualsPlugin {
     palette: Option<WorldPalette>,
 }
 
 impl EnvgenVisualsPlugin {
-    /// Uses `palette`, whatever the app has.
+    /// Inserts `palette` as the colours, replacing those that the app already has.
     pub fn new(palette: WorldPalette) -> Self {
         EnvgenVisualsPlugin { palette: Some(palette) }
     }
@@ -63,8 +64,9 @@ impl Plugin for EnvgenVisualsPlugin {
     }
 }
 
-/// Requires [`Visibility`] for environments, tiles, parts and what moves, so that an app can hide them: Bevy hides the
-/// children of an entity without it. Another plugin may have required it before: that is no error.
+/// Makes [`Visibility`] a required component of environments, tiles, parts and entities of scenarios, so that
+/// an app can hide them. Bevy hides the children of an entity without it. It is no error if another plugin
+/// has already required it.
 pub fn require_visibility(app: &mut App) {
     app.try_register_required_components::<Environment, Visibility>().ok();
     app.try_register_required_components::<Tile, Visibility>().ok();
@@ -103,7 +105,7 @@ fn add_meshes(world: &mut World, spawned: &TileSpawned) {
     }
 }
 
-/// The parts of a tile as triangles, by group.
+/// Returns the triangles of the parts of a tile, by group.
 fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartGroup, Drawing> {
     let mut drawings: BTreeMap<PartGroup, Drawing> = BTreeMap::new();
     for &part in &spawned.parts {
@@ -128,7 +130,7 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartGroup, Drawing
                 add_road(drawing, world, spawned.environment, *id);
                 continue;
             }
-            // Drawn below, together with those that are data.
+            // These are drawn below, together with those that are data.
             PartKind::Wall | PartKind::Tree | PartKind::Obstacle => continue,
             PartKind::Room if part.get::<Room>().is_some_and(|room| !room.lit) => {
                 PartGroup::DarkRoom
@@ -140,7 +142,7 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartGroup, Drawing
                 Some(SurfaceKind::Hallway | SurfaceKind::OpenArea) => PartGroup::Floor,
                 Some(SurfaceKind::Slippery) => PartGroup::Slippery,
                 Some(SurfaceKind::Loose) => PartGroup::Loose,
-                // Drawn by its ground.
+                // The cells of the landscape draw it.
                 Some(SurfaceKind::Class(_)) => continue,
                 _ => PartGroup::Rough,
             },
@@ -169,7 +171,7 @@ fn drawings(world: &World, spawned: &TileSpawned) -> BTreeMap<PartGroup, Drawing
     drawings
 }
 
-/// Adds the exact surface of a road, from the world itself.
+/// Adds the exact surface of a road, which is computed from the world itself.
 fn add_road(drawing: &mut Drawing, world: &World, environment: Entity, id: PartId) {
     let truth = world.get::<GroundTruth>(environment);
     let (Some(truth), origin) = (truth, spawned_origin(world, environment)) else { return };

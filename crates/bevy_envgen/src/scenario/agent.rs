@@ -1,42 +1,46 @@
-//! Entities that the people and doors of scenarios take into account.
+//! Entities that the people and doors of scenarios react to.
 
 use bevy::prelude::*;
 use envgen::glam::DVec2;
 use envgen::scenario::TICKS_PER_SECOND;
 
-/// Makes people avoid an entity and react to it, and doors open for it and stop at it, in every scenario.
+/// A component that makes people of all scenarios avoid its entity and react to it, and makes doors open for
+/// it and stop at it.
 ///
-/// The robots of `bevy_mapping_trial` have it. The velocity is the mean over the last 1/20 s; who jumps, at more than
-/// 50 m/s, has none. One whose radius is not a number from 0 to a million, or whose position is not finite, is ignored.
+/// The robots of `bevy_mapping_trial` have it. The velocity is the mean over the last 1/20 s. An entity that
+/// moves faster than 50 m/s is taken to have been moved elsewhere, and has no velocity. An entity is ignored
+/// if its radius is not a number from 0 to a million, or if its position is not finite.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(Transform)]
 pub struct ScenarioAgent {
-    /// Radius in metres, in the app's space, of a disc that holds the entity.
+    /// The radius in metres, in global coordinates of the app, of a disc that contains the entity.
     pub radius: f64,
-    /// Where it is in the app's space, once it was located.
+    /// The last known position in global coordinates of the app.
     at: Option<Vec2>,
-    /// Velocity in m/s in the app's space.
+    /// The velocity in m/s, in global coordinates of the app.
     velocity: Vec2,
-    /// Where it was when its velocity was measured last.
+    /// The position when the velocity was last measured.
     from: Vec2,
-    /// Seconds since then.
+    /// The seconds since then.
     elapsed: f32,
 }
 
-/// Velocities are measured over this many seconds at least: a tick. Apps may move an entity in some steps of a frame only.
+/// The shortest time in seconds over which velocities are measured, which is one tick. Apps may move an
+/// entity only in some of the steps of a frame.
 const MEASURED: f32 = 1.0 / TICKS_PER_SECOND as f32;
 
-/// What is faster, in m/s, was put elsewhere.
+/// The largest velocity in m/s. A faster entity was moved elsewhere.
 const FASTEST: f32 = 50.0;
 
 impl ScenarioAgent {
-    /// With the radius in metres of a disc that holds the entity.
+    /// Creates an agent with the radius in metres of a disc that contains the entity.
     pub fn new(radius: f64) -> Self {
         ScenarioAgent { radius, ..default() }
     }
 
-    /// As a robot in the frame of an environment, into which `affine` leads, with a point of the world at its origin.
+    /// Returns the agent as a robot in the frame of a world. `affine` converts to the frame of the
+    /// environment, whose origin is the point `origin` of the world.
     pub(super) fn robot(
         &self,
         affine: &bevy::math::DAffine3,
@@ -55,7 +59,8 @@ impl ScenarioAgent {
     }
 }
 
-/// Reads where agents are. Bevy propagates transforms only once per frame, which may have several steps.
+/// Updates the positions of agents. It computes their transforms, since Bevy propagates transforms only once
+/// per frame, which may have several steps.
 pub(super) fn locate(
     time: Res<Time>,
     mut agents: Query<(Entity, &mut ScenarioAgent)>,
@@ -72,7 +77,7 @@ pub(super) fn locate(
         }
         known.at = Some(at);
         known.elapsed += dt;
-        // A step that is a tick may be shorter by rounding.
+        // A step of one tick may be shorter by rounding.
         if known.elapsed > 0.999 * MEASURED {
             let velocity = (at - known.from) / known.elapsed;
             known.velocity = if velocity.length() > FASTEST { Vec2::ZERO } else { velocity };

@@ -1,8 +1,9 @@
 //! Doors, people and smoke in environments: the scenarios of [`envgen::scenario`] as entities.
 //!
-//! Put an [`EnvironmentScenario`] on the entity of an [`Environment`](crate::Environment), when it is spawned or
-//! later. Doors, people and smoke become its children, and decide every 1/20 s of the schedule's time, the same at every
-//! frame rate; between, people and leaves move evenly. Entities with a [`ScenarioAgent`] open doors, and people avoid them.
+//! Add an [`EnvironmentScenario`] to the entity of an [`Environment`](crate::Environment), when it is spawned
+//! or later. Doors, people and smoke are spawned as its children. They are updated in ticks of 1/20 s of the
+//! schedule's time, which gives the same result at every frame rate. Between ticks people and leaves move
+//! evenly. Doors open for entities with a [`ScenarioAgent`], and people avoid these entities.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -31,8 +32,8 @@
 //!   Smoke           PartOf
 //! ```
 //!
-//! With the feature `physics` people and leaves are kinematic bodies. They are where they came in the step before:
-//! rapier moves them while it moves the others. A leaf stops at an agent, and pushes other bodies.
+//! With the feature `physics` people and leaves are kinematic bodies. Their bodies are one step behind, since
+//! rapier moves them together with all other bodies. A leaf stops at an agent, and pushes other bodies.
 
 mod agent;
 #[cfg(feature = "physics")]
@@ -63,19 +64,20 @@ pub(crate) use run::remove;
 
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
-/// The systems that move doors, people and smoke: after rapier's `PhysicsSet::Writeback`, so that they meet the
-/// bodies where these are.
+/// The system set that moves doors, people and smoke. It is after rapier's `PhysicsSet::Writeback`, so that
+/// they react to the current positions of bodies.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ScenarioSystems;
 
-/// Runs the scenarios of [`EnvironmentScenario`] components.
+/// Runs the scenarios that [`EnvironmentScenario`] components request.
 #[derive(Clone, Copy, Debug)]
 pub struct EnvgenScenarioPlugin {
     schedule: Interned<dyn ScheduleLabel>,
 }
 
 impl EnvgenScenarioPlugin {
-    /// Moves everything in `schedule` instead of `FixedUpdate`; where rapier is added, it must be rapier's schedule.
+    /// Creates the plugin with the systems that move everything in `schedule` instead of `FixedUpdate`. If
+    /// the app has rapier, it must be rapier's schedule.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         EnvgenScenarioPlugin { schedule: schedule.intern() }
     }

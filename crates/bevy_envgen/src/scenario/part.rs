@@ -1,22 +1,23 @@
-//! The entities of a scenario.
+//! The components of the entities of a scenario.
 
 use bevy::prelude::*;
 use envgen::scenario::DoorCommand;
 
-/// A person of a scenario, a child of its environment. It is moved by the scenario: changes of its [`Transform`]
-/// are overwritten.
+/// A component of a person of a scenario, on a child of the environment. The scenario moves the person, and
+/// overwrites changes of the [`Transform`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct Person {
     /// The index in [`Scenario::people`](envgen::scenario::Scenario::people).
     pub index: u32,
-    /// Velocity in m/s, in the environment's frame.
+    /// The velocity in m/s, in the frame of the environment.
     pub velocity: Vec2,
-    /// Whether the person reacts to an agent.
+    /// Whether the person is reacting to an agent.
     pub reacts: bool,
 }
 
-/// A door of a scenario, a child of its environment. Its leaves are its children, with [`DoorLeaf`].
+/// A component of a door of a scenario, on a child of the environment. The leaves of the door are its
+/// children, with the component [`DoorLeaf`].
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -51,57 +52,60 @@ pub struct Door {
 }
 
 impl Door {
-    /// Starts to open it in the next step; takes at most 1 s.
+    /// Starts to open the door in the next step. This takes at most 1 s.
     pub fn open(&mut self) {
         self.command = Some(DoorCommand::Open);
     }
 
-    /// Starts to close it in the next step; takes at most 1 s. It opens again if an agent or a person is in front of
-    /// its leaves.
+    /// Starts to close the door in the next step. This takes at most 1 s. The door opens again if an agent or
+    /// a person is in front of its leaves.
     pub fn close(&mut self) {
         self.command = Some(DoorCommand::Close);
     }
 
-    /// Starts to slam it shut in the next step; takes at most 0.15 s.
+    /// Starts to slam the door shut in the next step. This takes at most 0.15 s.
     pub fn slam(&mut self) {
         self.command = Some(DoorCommand::Slam);
     }
 
-    /// The index in [`Scenario::doors`](envgen::scenario::Scenario::doors).
+    /// Returns the index of the door in [`Scenario::doors`](envgen::scenario::Scenario::doors).
     pub fn index(&self) -> u32 {
         self.index
     }
 
-    /// The index of its doorway in [`World::doorways`](envgen::World::doorways).
+    /// Returns the index of its doorway in [`World::doorways`](envgen::World::doorways).
     pub fn doorway(&self) -> u32 {
         self.doorway
     }
 
-    /// How far it is open: 0 is closed, 1 is open.
+    /// Returns how far the door is open, from 0 (closed) to 1 (fully open).
     pub fn openness(&self) -> f64 {
         self.openness
     }
 
-    /// Whether it is open or opening.
+    /// Returns whether the door is open or opening.
     pub fn opens(&self) -> bool {
         self.opens
     }
 
-    /// How often an agent or a person stopped it while it closed.
+    /// Returns how often an agent or a person has stopped the door while it was closing.
     pub fn stopped(&self) -> u64 {
         self.stopped
     }
 }
 
-/// A leaf of a [`Door`], a child of it: a line along +x of its [`Transform`].
+/// A component of a leaf of a [`Door`], on a child of the door. The leaf is a line along +x of its
+/// [`Transform`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct DoorLeaf {
-    /// Length in metres: of a sliding leaf what is outside of the wall, 0 where nothing is left.
+    /// The length in metres. For a sliding leaf it is the length outside of the wall, which is 0 if the leaf
+    /// is completely inside.
     pub length: f32,
 }
 
-/// A place where smoke can be, a child of its environment. Where places overlap, their extinctions add up.
+/// A component of a place where smoke can be, on a child of the environment. Where places overlap, their
+/// extinction coefficients add up.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct Smoke {
@@ -111,31 +115,33 @@ pub struct Smoke {
     pub extinction: f64,
 }
 
-/// What a door did.
+/// A change of a door.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DoorChange {
-    /// It is fully open.
+    /// The door is fully open.
     Opened,
-    /// It is closed.
+    /// The door is closed.
     Closed,
-    /// It met an agent or a person while it closed, and opens again.
+    /// The door met an agent or a person while it was closing, and opens again.
     Blocked,
 }
 
-/// Triggered on a [`Door`], and written as a message, when it has fully opened or closed, or was blocked.
+/// An event that is triggered on a [`Door`], and written as a message, when the door has fully opened or
+/// closed, or was blocked.
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DoorChanged {
     /// The door.
     pub entity: Entity,
-    /// What it did.
+    /// The change.
     pub change: DoorChange,
 }
 
-/// Triggered on a [`Person`], and written as a message, when a reaction to an agent begins or ends.
+/// An event that is triggered on a [`Person`], and written as a message, when a reaction to an agent begins
+/// or ends.
 #[derive(EntityEvent, Message, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PersonReacted {
     /// The person.
     pub entity: Entity,
-    /// Whether it begins.
+    /// Whether the reaction begins, or else ends.
     pub begins: bool,
 }

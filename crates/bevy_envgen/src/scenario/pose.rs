@@ -1,4 +1,4 @@
-//! Where people and leaves are in the frame of their environment.
+//! The poses of people and leaves in the frame of their environment.
 
 use bevy::prelude::*;
 use envgen::scenario::{Leaf, PersonState, ScenarioState};
@@ -6,13 +6,13 @@ use envgen::scenario::{Leaf, PersonState, ScenarioState};
 use super::part::DoorLeaf;
 use crate::shape::LocalFrame;
 
-/// The pose of a person in the environment's frame.
+/// Returns the pose of a person in the frame of the environment.
 pub(super) fn person_pose(frame: LocalFrame, person: &PersonState) -> Transform {
     frame.pose(person.position, libm::atan2(person.facing.y, person.facing.x))
 }
 
-/// The leaves of a door, and their poses in its frame. One that is in the wall has no length, and waits where it comes
-/// out.
+/// Returns the leaves of a door, with their poses in the frame of the door. A leaf that has slid into the
+/// wall has no length, and its pose is where it comes out again.
 pub(super) fn leaf_poses(
     frame: LocalFrame,
     door: &Transform,

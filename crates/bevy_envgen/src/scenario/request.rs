@@ -1,4 +1,4 @@
-//! The component that asks for a scenario, and what is reported.
+//! The component that requests a scenario, and the components and events with the outcome.
 
 use bevy::prelude::*;
 #[cfg(feature = "serialize")]
@@ -7,30 +7,31 @@ use envgen::scenario::{Scenario, ScenarioSpec};
 use envgen::{Seed, SpecError, World as EnvWorld};
 use thiserror::Error;
 
-/// Asks for doors, people and smoke in the world of the [`Environment`](crate::Environment) on the same entity.
+/// A component that requests doors, people and smoke in the world of the [`Environment`](crate::Environment)
+/// on the same entity.
 ///
-/// They begin once the world is there, and begin again when the world or this component changes; then
-/// [`ScenarioStarted`] is triggered, or [`ScenarioFailed`]. Removing the component removes them.
+/// The scenario begins when the world is spawned, and again when the world or this component changes. Each
+/// time [`ScenarioStarted`] or [`ScenarioFailed`] is triggered. Removing the component removes the scenario.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct EnvironmentScenario {
-    /// The settings, or the scenario itself.
+    /// The source of the scenario: settings, or the scenario itself.
     pub source: ScenarioSource,
-    /// Determines everything random. Unused for a scenario that exists already.
+    /// The seed of everything random. It is not used for a scenario that already exists.
     pub seed: u64,
 }
 
-/// Where a scenario comes from.
+/// The source of a scenario.
 #[derive(Clone, Debug, PartialEq, Reflect)]
 #[reflect(Debug, PartialEq, Clone)]
 pub enum ScenarioSource {
-    /// Settings, from which it is drawn in whatever world the environment has.
+    /// Settings, from which a scenario is drawn for whatever world the environment has.
     Spec(SourceScenarioSpec),
-    /// A scenario whose doors, people and sources of smoke are listed; it fits one world alone.
+    /// A scenario with a list of its doors, people and sources of smoke. It fits only one world.
     Scenario(SourceScenario),
 }
 
-/// Settings as a value that scenes can hold, serialized as [`ScenarioSpec`].
+/// Settings as a value of a component. Scenes serialize them as [`ScenarioSpec`].
 #[derive(Clone, Debug, PartialEq, Deref, DerefMut, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
@@ -38,7 +39,7 @@ pub enum ScenarioSource {
 #[reflect(Debug, PartialEq, Clone)]
 pub struct SourceScenarioSpec(pub Box<ScenarioSpec>);
 
-/// A scenario as a value that scenes can hold, serialized as [`Scenario`].
+/// A scenario as a value of a component. Scenes serialize it as [`Scenario`].
 #[derive(Clone, Debug, PartialEq, Deref, DerefMut, Reflect)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", reflect(Serialize, Deserialize))]
@@ -47,7 +48,7 @@ pub struct SourceScenarioSpec(pub Box<ScenarioSpec>);
 pub struct SourceScenario(pub Box<Scenario>);
 
 impl EnvironmentScenario {
-    /// The scenario of settings and a seed.
+    /// Creates a request for the scenario of settings and a seed.
     pub fn new(spec: ScenarioSpec, seed: u64) -> Self {
         EnvironmentScenario {
             source: ScenarioSource::Spec(SourceScenarioSpec(Box::new(spec))),
@@ -55,13 +56,13 @@ impl EnvironmentScenario {
         }
     }
 
-    /// A scenario that exists already: edited, or read from a file.
+    /// Creates a request for a scenario that already exists, such as one that was edited or read from a file.
     pub fn prebuilt(scenario: Scenario) -> Self {
         let source = ScenarioSource::Scenario(SourceScenario(Box::new(scenario)));
         EnvironmentScenario { source, seed: 0 }
     }
 
-    /// The scenario in a world.
+    /// Returns the scenario for a world.
     pub(super) fn of(&self, world: &EnvWorld) -> Result<Scenario, SpecError> {
         match &self.source {
             ScenarioSource::Spec(spec) => Scenario::new(world, spec, Seed(self.seed)),
@@ -70,13 +71,13 @@ impl EnvironmentScenario {
     }
 }
 
-/// Why an environment has no scenario although it is asked for one. On its entity until one begins; scenes do not
-/// hold it.
+/// A component with the reason why the requested scenario could not begin. It is on the entity of the
+/// environment until a scenario begins. Scenes do not hold it.
 #[derive(Component, Clone, Debug, PartialEq, Deref)]
 #[component(clone_behavior = Ignore)]
 pub struct ScenarioFailure(pub ScenarioError);
 
-/// Why a scenario cannot begin.
+/// An error that prevents a scenario.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ScenarioError {
@@ -88,25 +89,25 @@ pub enum ScenarioError {
     Endless,
 }
 
-/// Triggered on an environment, and written as a message, when its scenario begins: the first time, and when it
-/// begins again.
+/// An event that is triggered on an environment, and written as a message, when its scenario begins, for the
+/// first time or again.
 #[derive(EntityEvent, Message, Clone, Debug)]
 pub struct ScenarioStarted {
     /// The environment.
     pub entity: Entity,
 }
 
-/// Triggered on an environment, and written as a message, when its scenario cannot begin. The error is also stored
-/// on the entity: see [`ScenarioFailure`].
+/// An event that is triggered on an environment, and written as a message, when its scenario cannot begin.
+/// The error is also stored on the entity; see [`ScenarioFailure`].
 #[derive(EntityEvent, Message, Clone, Debug)]
 pub struct ScenarioFailed {
     /// The environment.
     pub entity: Entity,
-    /// Why.
+    /// The error.
     pub error: ScenarioError,
 }
 
-/// Trigger it on an environment to let its scenario begin again, with other entities.
+/// An event that restarts the scenario of the environment on which it is triggered, with new entities.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct RestartScenario {
     /// The environment.

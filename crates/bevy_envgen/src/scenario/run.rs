@@ -1,4 +1,4 @@
-//! From a request to the entities of a scenario.
+//! Runs scenarios: starts those that are requested, and spawns their entities.
 
 use std::sync::Arc;
 
@@ -20,22 +20,23 @@ use crate::part::PartOf;
 use crate::place::{check_transform, global_transform};
 use crate::shape::LocalFrame;
 
-/// A share of a tick below which everything is where the tick had it: rounding adds less in steps of whole ticks.
+/// The fraction of a tick below which everything is at its position of the last tick. Rounding adds less in
+/// steps of whole ticks.
 const WHOLE: f64 = 1e-3;
 
-/// The running scenario of an environment, on its entity. It is not reflected, so scenes do not hold it: it begins
-/// again.
+/// A component with the running scenario of an environment, on the entity of the environment. It is not
+/// reflected, so scenes do not hold it: the scenario begins again.
 #[derive(Component, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct ScenarioRun {
     scenario: Arc<Scenario>,
-    /// The origin of the world that it runs in.
+    /// The point of the world that is at the origin of the environment.
     pub(super) origin: DVec2,
     pub(super) state: ScenarioState,
-    /// The state after the next tick, as it will be unless something of the app prevents it. Known while the schedule's
-    /// steps are not whole ticks.
+    /// The expected state after the next tick, if nothing in the app changes it. It is known only while the
+    /// steps of the schedule are not whole ticks.
     ahead: Option<ScenarioState>,
-    /// Where everything is between two ticks.
+    /// The state between two ticks.
     between: Option<ScenarioState>,
     pub(super) switches: Switches,
     pub(super) people: Vec<Entity>,
@@ -43,7 +44,7 @@ pub struct ScenarioRun {
     pub(super) smoke: Vec<Entity>,
 }
 
-/// What a scenario that begins again on request keeps.
+/// What a scenario keeps when it is restarted on request.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Switches {
     is_paused: bool,
@@ -54,30 +55,31 @@ pub(super) struct Switches {
 #[derive(Debug)]
 pub(super) struct DoorEntity {
     pub(super) door: Entity,
-    /// Its pose in the environment's frame.
+    /// The pose in the frame of the environment.
     pub(super) at: Transform,
     pub(super) leaves: Vec<Entity>,
 }
 
 impl ScenarioRun {
-    /// The scenario as it was requested.
+    /// Returns the scenario that was requested.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario
     }
 
-    /// The state after the last tick of 1/20 s, in the frame of the world.
+    /// Returns the state after the last tick of 1/20 s, in the frame of the world.
     pub fn state(&self) -> &ScenarioState {
         &self.state
     }
 
-    /// Where everything is now, in the frame of the world: rays, clearances, contacts and smoke. Between two ticks people
-    /// and leaves, as entities and here, move evenly to where the next tick is expected to have them. What an agent or
-    /// a command changes in that tick is so only from then on.
+    /// Returns the current state in the frame of the world, for rays, clearances, contacts and smoke. Between
+    /// two ticks, people and leaves (both here and as entities) move evenly to where the next tick is
+    /// expected to place them. Changes that an agent or a command causes in that tick become visible only
+    /// after it.
     pub fn now(&self) -> &ScenarioState {
         self.between.as_ref().unwrap_or(&self.state)
     }
 
-    /// Moves everything by `dt` seconds among robots; whether there was a tick.
+    /// Advances the scenario by `dt` seconds among robots, and returns whether there was a tick.
     pub(super) fn advance(&mut self, dt: f64, robots: &[Robot]) -> Result<bool, SpecError> {
         let before = self.state.tick();
         self.state.step(dt, robots)?;
@@ -103,26 +105,26 @@ impl ScenarioRun {
         Ok(has_ticked)
     }
 
-    /// The entities of the people, in the order of the scenario.
+    /// Returns the entities of the people, in the order of the scenario.
     pub fn people(&self) -> &[Entity] {
         &self.people
     }
 
-    /// The entities of the doors, in the order of the scenario.
+    /// Returns the entities of the doors, in the order of the scenario.
     pub fn doors(&self) -> impl Iterator<Item = Entity> + '_ {
         self.doors.iter().map(|door| door.door)
     }
 
-    /// The entities of the places of smoke, in the order of [`ScenarioState::smoke`].
+    /// Returns the entities of the places of smoke, in the order of [`ScenarioState::smoke`].
     pub fn smoke(&self) -> &[Entity] {
         &self.smoke
     }
 
-    /// Opens, closes or slams a door at once, by its index in the scenario, as [`Door`] does in the next step. While
-    /// commands are ignored, as in a replay, it does nothing.
+    /// Opens, closes or slams the door with a given index in the scenario at once, while [`Door`] does so in
+    /// the next step. It does nothing while commands are ignored, as in a replay.
     ///
     /// # Errors
-    /// When there is no such door.
+    /// Returns an error if there is no such door.
     pub fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
         if self.switches.ignores_commands && door < self.doors.len() {
             return Ok(());
@@ -130,43 +132,43 @@ impl ScenarioRun {
         self.replay_door(door, command)
     }
 
-    /// Gives a door a command of a log, also while those of programs are ignored.
+    /// Gives a door a command from a log, even while commands of the app are ignored.
     ///
     /// # Errors
-    /// When there is no such door.
+    /// Returns an error if there is no such door.
     pub fn replay_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
         self.ahead = None;
         self.state.command_door(door, command)
     }
 
-    /// Whether commands to [`Door`] components and [`ScenarioRun::command_door`] have no effect, also after a
-    /// [`RestartScenario`]: true in a replay, whose log has the commands.
+    /// Sets whether commands to [`Door`] components and [`ScenarioRun::command_door`] are ignored. This
+    /// persists after a [`RestartScenario`]. It is true in a replay, whose log has the commands.
     pub fn set_ignores_commands(&mut self, ignores: bool) {
         self.switches.ignores_commands = ignores;
     }
 
-    /// Whether commands to doors have no effect.
+    /// Returns whether commands to doors are ignored.
     pub fn ignores_commands(&self) -> bool {
         self.switches.ignores_commands
     }
 
-    /// Whether nothing moves for now.
+    /// Returns whether the scenario is paused.
     pub fn is_paused(&self) -> bool {
         self.switches.is_paused
     }
 
-    /// Stops everything, or lets it go on.
+    /// Pauses or resumes the scenario.
     pub fn set_paused(&mut self, is_paused: bool) {
         self.switches.is_paused = is_paused;
     }
 }
 
-/// The request that began, or failed, last.
+/// A component with the last request, whether it began or failed.
 #[derive(Component)]
 #[component(clone_behavior = Ignore)]
 pub(super) struct LastRequest(EnvironmentScenario);
 
-/// Environments that ask for a scenario, and their worlds.
+/// Environments that request a scenario, with their worlds.
 type Asked = (
     Entity,
     &'static EnvironmentScenario,
@@ -175,15 +177,15 @@ type Asked = (
     Option<Ref<'static, EndlessTruth>>,
 );
 
-/// Either the request or the world has changed.
+/// A filter for environments whose request or world has changed.
 type Renewed = (
     With<EnvironmentScenario>,
     Or<(Changed<EnvironmentScenario>, Changed<GroundTruth>, Added<EndlessTruth>)>,
 );
 
-/// Begins the scenarios whose worlds are there.
+/// Starts the requested scenarios whose worlds are spawned.
 pub(super) fn start(world: &mut World, renewed: &mut QueryState<Asked, Renewed>) {
-    // A request that is written again as it was changes nothing.
+    // A request that is written with the same value changes nothing.
     let has_changed = |(_, request, last, truth, endless): &QueryItem<'_, '_, Asked>| {
         let is_same = last.is_some_and(|last| last.0 == **request);
         let has_other_world = truth.as_ref().is_some_and(Ref::is_changed)
@@ -193,14 +195,14 @@ pub(super) fn start(world: &mut World, renewed: &mut QueryState<Asked, Renewed>)
     let renewed: Vec<Entity> =
         renewed.iter(world).filter(has_changed).map(|(entity, ..)| entity).collect();
     for entity in renewed {
-        // A world that its transform does not allow is not spawned either.
+        // An environment with an invalid transform has no world.
         if check_transform(&global_transform(world, entity)).is_ok() {
             begin(world, entity, Switches::default());
         }
     }
 }
 
-/// Begins a scenario again.
+/// Restarts a scenario on request.
 pub(super) fn restart(
     asked: On<RestartScenario>,
     runs: Query<&ScenarioRun>,
@@ -215,24 +217,24 @@ pub(super) fn restart(
     commands.queue(move |world: &mut World| begin(world, entity, switches));
 }
 
-/// Removes a scenario that is no longer requested.
+/// Removes a scenario when its request is removed.
 pub(super) fn withdraw(removed: On<Remove, EnvironmentScenario>, mut commands: Commands) {
     let entity = removed.entity;
     commands.queue(move |world: &mut World| {
-        // Inserting another one removes nothing here.
+        // Inserting another request must not remove anything here.
         if world.get_entity(entity).is_ok_and(|root| !root.contains::<EnvironmentScenario>()) {
             remove(world, entity);
         }
     });
 }
 
-/// Despawns everything of the scenario of an environment. This includes what came out of a scene or as a clone
-/// together with the environment.
+/// Despawns all entities of the scenario of an environment. This includes those that were spawned from a
+/// scene, or cloned, together with the environment.
 pub(crate) fn remove(world: &mut World, environment: Entity) {
     let children = world.get::<Children>(environment).into_iter().flatten().copied();
     let children: Vec<Entity> = children.collect();
-    // The last first: rapier gives their places to the next bodies, the last place first, so that bodies that are
-    // spawned again have the same order, on which results depend in the last bit.
+    // In reverse order: rapier reuses the freed indices last in, first out, so that bodies that are spawned
+    // again get the same order, on which the last bits of results depend.
     for child in children.into_iter().rev() {
         let is_ours = |child: &EntityRef<'_>| {
             child.contains::<Person>() || child.contains::<Door>() || child.contains::<Smoke>()
@@ -246,7 +248,7 @@ pub(crate) fn remove(world: &mut World, environment: Entity) {
     }
 }
 
-/// Begins the scenario of an environment in place of the one that it has.
+/// Starts the requested scenario of an environment, in place of the current one.
 fn begin(world: &mut World, entity: Entity, switches: Switches) {
     let Ok(root) = world.get_entity(entity) else { return };
     let Some(request) = root.get::<EnvironmentScenario>() else { return };

@@ -1,4 +1,4 @@
-//! A step of the scenarios, and where that puts their entities.
+//! Advances the scenarios by a step, and updates their entities.
 
 use bevy::prelude::*;
 
@@ -8,10 +8,10 @@ use super::pose::{leaf_poses, person_pose};
 use super::run::ScenarioRun;
 use crate::shape::LocalFrame;
 
-/// A scenario that runs.
+/// A running scenario.
 type Running = (Entity, &'static mut ScenarioRun, &'static GlobalTransform);
 
-/// Moves everything for a step of the schedule.
+/// Advances all scenarios by a step of the schedule.
 pub(super) fn step(
     time: Res<Time>,
     mut runs: Query<Running>,
@@ -28,14 +28,14 @@ pub(super) fn step(
             let command = doors.get(entity).ok().and_then(|door| door.command);
             if let (Some(command), Ok(mut door)) = (command, doors.get_mut(entity)) {
                 door.command = None;
-                // There is such a door.
+                // The door exists, so there is no error.
                 known.command_door(index, command).ok();
             }
         }
         let affine = global.affine().as_daffine3().inverse();
         let robots = agents.iter().filter_map(|agent| agent.robot(&affine, known.origin));
         let mut robots: Vec<_> = robots.collect();
-        // The order of entities depends on what an app did before.
+        // The order of the query depends on the history of the app, so robots are sorted by position.
         robots.sort_by(|a, b| {
             let (p, q) = (a.position, b.position);
             p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y))
@@ -48,10 +48,10 @@ pub(super) fn step(
     }
 }
 
-/// A person that is placed.
+/// The components of a person that is updated.
 type Placed = (&'static mut Person, &'static mut Transform, &'static mut GlobalTransform);
 
-/// Places people and smoke where they are now. Physics may have moved them since.
+/// Moves people to their current poses, which physics may have changed, and updates smoke.
 pub(super) fn place(
     runs: Query<(&ScenarioRun, &GlobalTransform)>,
     mut people: Query<Placed, Without<ScenarioRun>>,
@@ -84,10 +84,10 @@ pub(super) fn place(
     }
 }
 
-/// A leaf that is placed.
+/// The components of a leaf that is updated.
 type PlacedLeaf = (&'static mut DoorLeaf, &'static mut Transform, &'static mut GlobalTransform);
 
-/// Places leaves where they are now, and reports what doors did.
+/// Moves leaves to their current poses, and reports changes of doors.
 pub(super) fn place_leaves(
     runs: Query<(&ScenarioRun, &GlobalTransform)>,
     mut doors: Query<&mut Door>,

@@ -1,4 +1,4 @@
-//! Meshes of parts in two dimensions.
+//! Two-dimensional meshes of parts.
 
 use std::f32::consts::TAU;
 
@@ -9,10 +9,10 @@ use bevy::prelude::*;
 use crate::shape::PartShape;
 use crate::tessellate::triangles;
 
-/// Side of the mark of a start, goal or victim in metres.
+/// The size in metres of the mark of a start, goal or victim.
 const MARK: f32 = 0.4;
 
-/// A mesh in the environment's frame.
+/// A mesh in the frame of the environment.
 #[derive(Default)]
 pub(super) struct Drawing {
     corners: Vec<[f32; 3]>,

@@ -5,8 +5,9 @@ use bevy::prelude::*;
 use crate::part::Ground;
 use crate::shape::PartShape;
 
-/// Rectangles over a block of ground with the classes that they show, from 1: neighbouring cells of one class in a row
-/// are one. Corners are in the environment's frame, counter-clockwise.
+/// Returns the rectangles that fill a block of ground, each with its class, counted from 1. Neighbouring
+/// cells of the same class in a row are one rectangle. Corners are counter-clockwise, in the frame of the
+/// environment.
 pub(crate) fn class_rectangles(
     at: &Transform,
     shape: &PartShape,

@@ -1,4 +1,4 @@
-//! Meshes for the people, leaves and smoke of scenarios.
+//! Two-dimensional meshes for the people, leaves and smoke of scenarios.
 
 use bevy::prelude::*;
 use bevy::sprite_render::AlphaMode2d;
@@ -12,24 +12,25 @@ use crate::part::PartOf;
 use crate::scenario::{DoorLeaf, Person, ScenarioRun, Smoke};
 use crate::shape::{LocalFrame, PartShape};
 
-/// Thickness in metres of a leaf as it is drawn; in the scenario it has none.
+/// The thickness in metres with which a leaf is drawn. In the scenario it has none.
 const THICKNESS: f32 = 0.06;
 
-/// Height of smoke, above everything else of a world.
+/// The z coordinate of smoke, which is above everything else of a world.
 const SMOKE_LAYER: f32 = 11.0 * LAYER;
 
-/// Smoke that is thinner is not drawn, in 1/m.
+/// The smallest extinction coefficient in 1/m of smoke that is drawn.
 const THINNEST: f64 = 0.005;
 
-/// The mesh of a leaf, whose length is 1, as a child of the leaf.
+/// A marker component of the mesh of a leaf, on a child of the leaf. The mesh has a length of 1.
 #[derive(Component)]
 pub(super) struct LeafMesh;
 
-/// The mesh of smoke, as a child of it, with a material of its own.
+/// A marker component of the mesh of smoke, on a child of the smoke, which has a material of its own.
 #[derive(Component)]
 pub(super) struct SmokeMesh;
 
-/// Opacity of smoke: the share of light that it takes over a metre, so that what it hides can be guessed.
+/// Returns the opacity of smoke: the fraction of light that it absorbs over a metre, limited so that what is
+/// behind it remains visible.
 pub(super) fn opacity(extinction: f64) -> f32 {
     (-libm::expm1(-extinction) as f32).min(0.85)
 }
@@ -77,7 +78,7 @@ pub(super) fn draw_smoke(
     draw_each_smoke(run, &mut commands, add_smoke);
 }
 
-/// Draws each place of the smoke of a scenario by `add`.
+/// Calls `add` for each place of smoke of a scenario.
 pub(crate) fn draw_each_smoke(
     run: &ScenarioRun,
     commands: &mut Commands,
@@ -92,10 +93,10 @@ pub(crate) fn draw_each_smoke(
     }
 }
 
-/// Where smoke is.
+/// The places that smoke fills, and its extinction coefficient.
 pub(crate) struct SmokeOutline {
     pub(crate) extinction: f64,
-    /// In the frame of the world.
+    /// The shapes in the frame of the world.
     pub(crate) shapes: Vec<envgen::geometry::Shape>,
     pub(crate) frame: LocalFrame,
 }
@@ -139,12 +140,12 @@ fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
     ));
 }
 
-/// Whether smoke is thick enough to be seen.
+/// Returns whether smoke is dense enough to be visible.
 pub(crate) fn shown(extinction: f64) -> Visibility {
     if extinction < THINNEST { Visibility::Hidden } else { Visibility::Inherited }
 }
 
-/// Spawns a mesh as a child; `None` in apps that do not draw.
+/// Spawns a mesh as a child. Returns `None` in apps that do not draw.
 fn add(world: &mut World, parent: Entity, group: PartGroup, drawing: Drawing) -> Option<Entity> {
     world.get_entity(parent).ok()?;
     let palette = world.get_resource::<WorldPalette>().cloned().unwrap_or_default();
@@ -158,7 +159,7 @@ fn add(world: &mut World, parent: Entity, group: PartGroup, drawing: Drawing) ->
     Some(world.spawn((Name::new(format!("{group:?}")), look, at, ChildOf(parent))).id())
 }
 
-/// Draws sliding leaves as long as they are.
+/// Scales the meshes of sliding leaves to their length.
 pub(super) fn stretch_leaves(
     leaves: Query<(&DoorLeaf, &Children), Changed<DoorLeaf>>,
     mut meshes: Query<&mut Transform, With<LeafMesh>>,
@@ -174,7 +175,7 @@ pub(super) fn stretch_leaves(
     }
 }
 
-/// Draws smoke as thick as it is.
+/// Sets the opacity of smoke from its extinction coefficient.
 pub(super) fn fade_smoke(
     smoke: Query<(&Smoke, &Children), Changed<Smoke>>,
     mut meshes: Query<(&MeshMaterial2d<ColorMaterial>, &mut Visibility), With<SmokeMesh>>,

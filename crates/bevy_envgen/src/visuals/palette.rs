@@ -1,9 +1,9 @@
-//! The colours of a world's parts in two dimensions.
+//! The colours of the parts of worlds in two dimensions.
 
 use bevy::prelude::*;
 use envgen::palette::{self, Srgb};
 
-/// The colours of a world's parts.
+/// A resource with the colours of the parts of worlds in two dimensions.
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct WorldPalette {
@@ -31,7 +31,7 @@ pub struct WorldPalette {
     pub slippery: Color,
     /// Loose ground.
     pub loose: Color,
-    /// Walls and obstacles that lasers see only from near.
+    /// Walls and obstacles that lasers see only from a short distance.
     pub dark: Color,
     /// The start.
     pub start: Color,
@@ -41,17 +41,18 @@ pub struct WorldPalette {
     pub victim: Color,
     /// People of scenarios.
     pub person: Color,
-    /// Where they look.
+    /// The marks on people that show the direction in which they look.
     pub face: Color,
     /// The leaves of doors.
     pub leaf: Color,
-    /// Smoke; its opacity follows from its extinction.
+    /// Smoke. Its opacity follows from its extinction coefficient.
     pub smoke: Color,
-    /// The classes of a landscape from 1 on; repeated when there are more classes than colours.
+    /// The classes of a landscape, starting with class 1. The colours repeat if there are more classes than
+    /// colours.
     pub classes: Vec<Color>,
 }
 
-/// The colours of [`envgen::palette`], which the SVG and PNG pictures have too.
+/// The default colours are those of [`envgen::palette`], which SVG and PNG pictures use as well.
 impl Default for WorldPalette {
     fn default() -> Self {
         use envgen::world::{ObstacleKind, SurfaceKind, WallKind};
@@ -66,7 +67,7 @@ impl Default for WorldPalette {
             rough: color(palette::surface(SurfaceKind::Uneven).fill),
             water: color(palette::surface(SurfaceKind::Water).fill),
             floor: color(palette::surface(SurfaceKind::Hallway).fill),
-            // See-through, since they cover whole rooms, whose colours count as well.
+            // These are transparent, since they cover whole rooms, whose colours must remain visible.
             slippery: color(palette::surface(SurfaceKind::Slippery).fill).with_alpha(0.35),
             loose: color(palette::surface(SurfaceKind::Loose).fill).with_alpha(0.35),
             dark: color(palette::DARK.fill),
@@ -82,7 +83,7 @@ impl Default for WorldPalette {
     }
 }
 
-/// A colour of [`envgen::palette`], opaque.
+/// Converts a colour of [`envgen::palette`] to an opaque colour of Bevy.
 pub fn color(Srgb([red, green, blue]): Srgb) -> Color {
     Color::srgb_u8(red, green, blue)
 }

@@ -1,4 +1,4 @@
-//! The groups of parts with one colour: their layers and materials.
+//! The groups of parts with the same colour: their layers and materials.
 
 use std::collections::BTreeMap;
 
@@ -6,10 +6,11 @@ use bevy::prelude::*;
 
 use super::palette::WorldPalette;
 
-/// Distance in z between layers.
+/// The distance in z between layers.
 pub(super) const LAYER: f32 = 0.01;
 
-/// The groups of parts with one colour, from the lowest layer to the highest.
+/// A group of parts with the same colour. The variants are in the order of layers, from the lowest to the
+/// highest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum PartGroup {
     Class(u16),
@@ -87,12 +88,12 @@ impl PartGroup {
     }
 }
 
-/// The materials of the parts drawn so far, shared by all environments, with the colours that they
-/// were made from.
+/// A resource with the materials of the parts drawn so far, which all environments share, and with the
+/// colours from which they were made.
 #[derive(Resource, Default)]
 pub(super) struct GroupMaterials(BTreeMap<PartGroup, (Color, Handle<ColorMaterial>)>);
 
-/// The material of a group of parts.
+/// Returns the material of a group of parts.
 pub(super) fn material(
     world: &mut World,
     group: PartGroup,

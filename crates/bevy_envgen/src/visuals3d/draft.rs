@@ -1,4 +1,4 @@
-//! Many bodies in one mesh.
+//! Collects many bodies in one mesh.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
@@ -8,13 +8,13 @@ use envgen::mesh::Mesh as Solid;
 
 use super::finish::Finish;
 
-/// Height in metres from which the texture of the tops of walls is.
+/// The height in metres at which the texture of walls is sampled for their tops.
 const TOP: f64 = 1.0;
 
-/// Corners and triangles of bodies of several colours.
+/// The corners and triangles of bodies of several colours.
 #[derive(Debug, Default)]
 pub(super) struct Draft {
-    /// What the bodies are made of, for their textures.
+    /// The finish of the bodies, on which texture coordinates depend.
     finish: Option<Finish>,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
@@ -24,7 +24,7 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    /// For bodies of a finish.
+    /// Creates a draft for bodies of a finish.
     pub(super) fn of(finish: Finish) -> Self {
         Draft { finish: Some(finish), ..Draft::default() }
     }
@@ -33,8 +33,8 @@ impl Draft {
         self.corners.is_empty()
     }
 
-    /// Adds a body, in the frame whose origin is a point of the world. Textures of tops and bottoms continue from
-    /// body to body.
+    /// Adds a body, in the frame whose origin is the point `origin` of the world. Textures of tops and
+    /// bottoms continue from one body to the next.
     pub(super) fn add(&mut self, solid: &Solid, origin: DVec2, color: Color) {
         let first = self.positions.len() as u32;
         let shift = solid.pivot - origin;
@@ -45,7 +45,7 @@ impl Draft {
             let on_plan = p.truncate() + shift;
             let is_flat = normal.z.abs() > 0.5;
             let texture = match self.finish {
-                // The texture of sides depends on the height above the floor.
+                // The texture of the sides depends on the height above the floor.
                 Some(Finish::Wall) if is_flat => DVec2::new(on_plan.x + on_plan.y, TOP),
                 Some(Finish::Leaves) => *uv,
                 _ if is_flat => on_plan,
@@ -59,7 +59,7 @@ impl Draft {
         self.corners.extend(solid.triangles.iter().flatten().map(|corner| first + corner));
     }
 
-    /// Adds a flat polygon at a height, seen from above, convex and counter-clockwise.
+    /// Adds a flat, convex polygon at a height, with corners that are counter-clockwise as seen from above.
     pub(super) fn add_flat(&mut self, outline: &[Vec2], height: f32, color: Color) {
         let first = self.positions.len() as u32;
         self.positions.extend(outline.iter().map(|p| [p.x, p.y, height]));
@@ -70,7 +70,7 @@ impl Draft {
         self.corners.extend(fan);
     }
 
-    /// Adds a box along the axes, from its least to its greatest corner.
+    /// Adds an axis-aligned box between its lowest and its highest corner.
     pub(super) fn add_box(&mut self, low: Vec3, high: Vec3, color: Color) {
         let rect =
             envgen::geometry::Rect::new(low.truncate().as_dvec2(), high.truncate().as_dvec2());
@@ -81,7 +81,7 @@ impl Draft {
         }
     }
 
-    /// Adds a mesh of Bevy, which must be a list of triangles with indices.
+    /// Adds a mesh of Bevy, which must be a triangle list with indices.
     pub(super) fn add_mesh(&mut self, mesh: &Mesh, color: Color) {
         let first = self.positions.len() as u32;
         let floats = |attribute| mesh.attribute(attribute).and_then(|values| values.as_float3());
@@ -97,7 +97,7 @@ impl Draft {
         self.corners.extend(corners.iter().map(|corner| first + corner as u32));
     }
 
-    /// Colours all corners that have no colour yet.
+    /// Sets the colour of all corners that have no colour yet.
     fn paint(&mut self, color: Color) {
         self.colors.resize(self.positions.len(), color.to_linear().to_f32_array());
     }

@@ -23,7 +23,8 @@ use crate::spawn::TileSpawned;
 use crate::visuals::color;
 use crate::visuals::ground::class_rectangles;
 
-/// The lintels and the ceilings' height of the world of an environment, for which all its walls are looked at.
+/// A component with the lintels and the height of the ceilings of an environment's world, which are computed
+/// from all its walls.
 #[derive(Component)]
 struct Overhead {
     lintels: Vec<Option<Extent>>,
@@ -58,7 +59,7 @@ fn add_meshes(world: &mut World, spawned: &TileSpawned) {
     trees::plant(world, spawned);
 }
 
-/// Finds what is overhead in the world, if the tile has doorways or floors.
+/// Computes the lintels and the height of the ceilings of the world, if the tile has doorways or floors.
 fn find_overhead(world: &mut World, spawned: &TileSpawned) {
     let is_below = |&part: &Entity| {
         world.get::<PartId>(part).is_some_and(|id| {
@@ -73,12 +74,12 @@ fn find_overhead(world: &mut World, spawned: &TileSpawned) {
     world.entity_mut(spawned.environment).insert(Overhead { lintels, wall_top });
 }
 
-/// Forgets what was overhead in a world that is gone.
+/// Removes the component when the world is removed.
 pub(super) fn forget_overhead(gone: On<Discard, GroundTruth>, mut commands: Commands) {
     commands.entity(gone.entity).try_remove::<Overhead>();
 }
 
-/// The bodies of a tile by finish, without trees.
+/// Returns the bodies of a tile by finish, without trees.
 fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
     let mut drafts: BTreeMap<Finish, Draft> = BTreeMap::new();
     let palette = world.resource::<Palette3d>();
@@ -88,7 +89,7 @@ fn drafts(world: &World, spawned: &TileSpawned) -> BTreeMap<Finish, Draft> {
     let overhead = world.get::<Overhead>(spawned.environment);
     for (id, at, _) in spawned.placed(world) {
         match id.kind {
-            // Below, and in `trees`.
+            // They are drawn below, and in `trees`.
             PartKind::Ground | PartKind::Tree => continue,
             PartKind::Start | PartKind::Goal | PartKind::Victim => {
                 marks::add(&mut drafts, id.kind, at, palette);

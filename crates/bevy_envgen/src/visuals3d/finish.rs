@@ -1,8 +1,9 @@
-//! What the surfaces of bodies feel like.
+//! The kinds of surfaces of bodies.
 
 use bevy::prelude::*;
 
-/// What a surface feels like. Each is one material, whose colours are those of the corners of its meshes.
+/// A kind of surface. All surfaces of a finish share one material, and the corners of their meshes have the
+/// colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Reflect)]
 #[reflect(Debug, PartialEq, Clone)]
 #[non_exhaustive]
@@ -21,12 +22,12 @@ pub enum Finish {
     Water,
     /// Ceilings.
     Ceiling,
-    /// Lamps, which are bright in themselves.
+    /// Lamps, which emit light.
     Lamp,
     /// The bark of trees.
     Bark,
     /// The leaves of trees.
     Leaves,
-    /// Marks that are seen whatever the light.
+    /// Marks that are visible in any light.
     Mark,
 }

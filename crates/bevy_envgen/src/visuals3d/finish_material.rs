@@ -27,7 +27,7 @@ impl Finish {
         }
     }
 
-    /// Its material with its texture.
+    /// Returns the material of the finish with its texture.
     pub(super) fn textured(self, world: &mut World) -> StandardMaterial {
         let side = self.texture_side().unwrap_or(1.0);
         let texture = self.texture().zip(world.get_resource_mut::<Assets<Image>>());
@@ -39,11 +39,11 @@ impl Finish {
     }
 }
 
-/// The materials used so far, shared by all environments.
+/// A resource with the materials used so far, which all environments share.
 #[derive(Resource, Default)]
 pub(super) struct Finishes(BTreeMap<Finish, Handle<StandardMaterial>>);
 
-/// The material of a finish; `None` in apps that do not draw.
+/// Returns the material of a finish, or `None` in apps that do not draw.
 pub(super) fn material(world: &mut World, finish: Finish) -> Option<Handle<StandardMaterial>> {
     if let Some(known) = world.resource::<Finishes>().0.get(&finish) {
         return Some(known.clone());
@@ -54,7 +54,7 @@ pub(super) fn material(world: &mut World, finish: Finish) -> Option<Handle<Stand
     Some(handle)
 }
 
-/// Whether the app has what meshes need.
+/// Returns whether the app has the assets that meshes need.
 pub(super) fn can_draw(world: &World) -> bool {
     world.contains_resource::<Assets<Mesh>>()
         && world.contains_resource::<Assets<Image>>()

@@ -1,8 +1,8 @@
-//! The light that fills rooms and the open, as volumes of ambient cubes: how bright it is at a point, for surfaces
-//! that look to each of the six sides. It costs the same for any number of lamps, and dark rooms stay dark without
-//! shadow maps.
+//! The ambient light of rooms and of the open, as irradiance volumes of ambient cubes: the brightness at a
+//! point for surfaces that face each of the six sides. It costs the same for any number of lamps, and dark
+//! rooms stay dark without shadow maps.
 //!
-//! J. Mitchell and others, "Shading in Valve's Source Engine" (2006).
+//! Source: J. Mitchell and others, "Shading in Valve's Source Engine" (2006).
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
@@ -14,24 +14,24 @@ use envgen::glam::DVec2;
 
 use super::settings::Visuals3dSettings;
 
-/// Luminance of the brightest light in cd/m², which Bevy's default exposure shows as white.
+/// The luminance of the brightest light in cd/m², which Bevy's default exposure shows as white.
 pub(super) const INTENSITY: f32 = 1000.0;
 
-/// Side of a voxel on the plan in metres, and the most voxels along a side of the world.
+/// The horizontal side of a voxel in metres, and the largest number of voxels along a side of the world.
 const VOXEL: f64 = 0.4;
 const MOST_VOXELS: f64 = 256.0;
 
-/// Bottom and height of the light of a building in metres, and its layers.
+/// The bottom in metres of the light of a building, and the number of its layers.
 const BOTTOM: f64 = -0.5;
 const LAYERS: usize = 4;
 
-/// Points of the region map along a voxel.
+/// The number of points of the region map along a voxel.
 const FINE: usize = 3;
 
 /// The six sides: +x, -x, +y, -y, +z, -z.
 const SIDES: [[i32; 3]; 6] = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
 
-/// Light of the open on each side: a sky that is bluish, ground that reflects.
+/// The light of the open for each side: a bluish sky, and ground that reflects.
 const SKY: [Vec3; 6] = [
     Vec3::new(0.40, 0.43, 0.47),
     Vec3::new(0.44, 0.46, 0.49),
@@ -41,13 +41,13 @@ const SKY: [Vec3; 6] = [
     Vec3::new(0.26, 0.26, 0.24),
 ];
 
-/// Share of the light of lamps that reaches surfaces on each side.
+/// The fraction of the light of lamps that reaches surfaces that face each side.
 const LAMPS: [f32; 6] = [0.84, 0.76, 0.71, 0.88, 1.0, 0.68];
 
 /// The colour of lamps.
 const WARM: Vec3 = Vec3::new(1.0, 0.965, 0.90);
 
-/// Light of what is no room, such as the tops of walls: as a share of the brightest.
+/// The light outside of rooms, such as on the tops of walls, as a fraction of the brightest light.
 const OUTSIDE: f32 = 0.75;
 
 /// Lamps in rows under a ceiling.
@@ -61,7 +61,7 @@ impl Lamps {
     fn under(shape: &Shape, settings: &Visuals3dSettings) -> Self {
         let bounds = shape.bounds();
         let spacing = f64::from(settings.lamp_spacing.max(1.0));
-        // More could not be distinguished.
+        // More lamps could not be distinguished.
         let count = (bounds.size() / spacing).round().clamp(DVec2::ONE, DVec2::splat(64.0));
         Lamps { low: bounds.min, step: bounds.size() / count, count: count.as_ivec2() }
     }
@@ -70,9 +70,9 @@ impl Lamps {
         self.low + self.step * (place.as_dvec2() + 0.5)
     }
 
-    /// Light of the lamps around a point, at most 1.
+    /// Returns the light of the lamps around a point, at most 1.
     fn light(&self, p: DVec2) -> f32 {
-        /// Height of lamps above the middle of a room in metres, squared.
+        /// The square of the height of lamps in metres above the middle of a room.
         const ABOVE: f64 = 2.25;
         let under = ((p - self.low) / self.step).floor().as_ivec2();
         let mut sum = 0.0;
@@ -85,21 +85,21 @@ impl Lamps {
     }
 }
 
-/// The lamps under the ceiling of a shape, in rows.
+/// Returns the positions of the lamps under the ceiling of a shape, in rows.
 pub(super) fn lamps(shape: &Shape, settings: &Visuals3dSettings) -> Vec<DVec2> {
     let lamps = Lamps::under(shape, settings);
     let rows = (0..lamps.count.y).flat_map(|j| (0..lamps.count.x).map(move |i| IVec2::new(i, j)));
     rows.map(|place| lamps.at(place)).filter(|lamp| shape.contains(*lamp)).collect()
 }
 
-/// Whether a world has rooms or hallways, which have lamps in place of the sky.
+/// Returns whether a world has rooms or hallways, which have lamps instead of a sky.
 pub(super) fn is_building(truth: &EnvgenWorld) -> bool {
     !truth.rooms.is_empty() || truth.surfaces.iter().any(|surface| surface.kind.is_hall())
 }
 
-/// The light under the sky over an area.
+/// Returns the light under the sky over an area.
 pub(super) fn of_sky(bounds: WorldRect, origin: DVec2) -> (Image, Transform) {
-    /// From below everything to above it, in metres.
+    /// The height of the volume in metres, which includes everything below and above the floor.
     const HEIGHT: f32 = 400.0;
     let image = image([1, 1, 1], |_, side| SKY[side], None);
     let at = Transform::from_translation((bounds.center() - origin).as_vec2().extend(0.0))
@@ -107,10 +107,10 @@ pub(super) fn of_sky(bounds: WorldRect, origin: DVec2) -> (Image, Transform) {
     (image, at)
 }
 
-/// The lamps of a part of a building; `None` where it is dark.
+/// The lamps of a part of a building, or `None` if it is dark.
 type Region = Option<Lamps>;
 
-/// Light in a part of a building at a point for a side.
+/// Returns the light at a point in a part of a building, for surfaces that face a side.
 fn light_in(region: &Region, p: DVec2, side: usize, settings: &Visuals3dSettings) -> Vec3 {
     match region {
         Some(lamps) => WARM * LAMPS[side] * (0.62 + 0.38 * lamps.light(p)),
@@ -118,7 +118,7 @@ fn light_in(region: &Region, p: DVec2, side: usize, settings: &Visuals3dSettings
     }
 }
 
-/// The light in a building.
+/// Returns the light in a building.
 pub(super) fn of_building(
     truth: &EnvgenWorld,
     origin: DVec2,
@@ -147,7 +147,8 @@ pub(super) fn of_building(
         };
         let light_in = |number: u16| light_in(&regions[usize::from(number) - 1], p, side, settings);
         if toward[2] == 0 {
-            // A wall is lit by what it looks at, although its voxel is partly behind it.
+            // The sides of a wall get the light of the room that they face, even if their voxel is partly
+            // behind the wall.
             let seen = [3, 2, 4, 1, 0].into_iter().map(|n| ahead(n, toward)).find(|&seen| seen > 0);
             return seen.map_or_else(|| outside(side), light_in);
         }
@@ -155,7 +156,8 @@ pub(super) fn of_building(
         if here > 0 {
             return light_in(here);
         }
-        // Floors reach to the walls: what is in a wall takes the light of what is beside it.
+        // Floors extend to the middle of walls, so a point inside a wall gets the mean light of the rooms
+        // beside it.
         let (mut sum, mut count) = (Vec3::ZERO, 0.0);
         for (toward, n) in SIDES[..4].iter().flat_map(|side| [(side, 2), (side, 3)]) {
             let beside = ahead(n, *toward);
@@ -166,7 +168,7 @@ pub(super) fn of_building(
         }
         if count > 0.0 { sum / count } else { outside(side) }
     };
-    // The highest layer is that of the tops of walls, which are seen where there are no ceilings.
+    // The highest layer is at the tops of walls, which are visible if there are no ceilings.
     let above = (!settings.ceilings).then_some(Vec3::splat(OUTSIDE));
     let image = image([width, depth, LAYERS], light, above);
     let size = DVec2::new(width as f64, depth as f64) * voxel;
@@ -176,8 +178,8 @@ pub(super) fn of_building(
     (image, at)
 }
 
-/// The regions of a building, and the number of the one at each point of a map, from 1; 0 outside of all. Rooms are over
-/// hallways.
+/// Returns the regions of a building, and a map with the number of the region at each point, counted from 1,
+/// with 0 outside of all regions. Rooms take precedence over hallways.
 fn regions(
     truth: &EnvgenWorld,
     low: DVec2,
@@ -191,7 +193,7 @@ fn regions(
     let shapes = hallways
         .map(|surface| (&surface.shape, true))
         .chain(truth.rooms.iter().map(|room| (&room.shape, room.lit)))
-        // More do not fit into the map: the rest is as bright as the outside.
+        // More do not fit into the map. The rest is as bright as the outside.
         .take(usize::from(u16::MAX));
     let mut regions = Vec::new();
     for (shape, is_lit) in shapes {
@@ -212,9 +214,10 @@ fn regions(
     (regions, map)
 }
 
-/// Packs ambient cubes as Bevy's shader reads them: the three axes one after the other along the last axis of the
-/// texture, the sides that look to the positive of an axis before the others along the second. `light` is the same in
-/// all layers, but for what looks up in the highest one, where it is `above` if that is given.
+/// Packs ambient cubes in the layout that Bevy's shader reads. The three axes follow one another along the
+/// last axis of the texture. Along the second axis, the sides that face the positive direction of an axis
+/// precede the others. `light` is the same in all layers, except for surfaces that face up in the highest
+/// layer, which get `above` if it is given.
 fn image(
     [width, depth, height]: [usize; 3],
     light: impl Fn([usize; 2], usize) -> Vec3,
@@ -252,7 +255,7 @@ fn image(
     image
 }
 
-/// The sRGB codes of light from 0 to 1, in even steps that are finer than codes.
+/// Returns the sRGB codes of light from 0 to 1, in even steps that are finer than the codes.
 pub(super) fn srgb_codes() -> Vec<u8> {
     const STEPS: u16 = 8192;
     let light = |step: u16| LinearRgba::gray(f32::from(step) / f32::from(STEPS));
@@ -272,7 +275,7 @@ mod tests {
         Room { name, shape, difficulty: None, lit, contents: Default::default(), height: None }
     }
 
-    /// The red of a voxel for a side, as Bevy's shader reads it.
+    /// Returns the red value of a voxel for a side, as Bevy's shader reads it.
     fn red(image: &Image, [x, y, z]: [usize; 3], side: usize) -> u8 {
         let size = image.texture_descriptor.size;
         let (width, rows, layers) =
@@ -295,13 +298,13 @@ mod tests {
         let (image, at) = of_building(&world, DVec2::ZERO, &settings);
         let size = image.texture_descriptor.size;
         let count = [size.width, size.height / 2, size.depth_or_array_layers / 3];
-        // The voxel that holds a point.
+        // Returns the voxel that contains a point.
         let voxel = |p: Vec3| {
             let unit = at.to_matrix().inverse().transform_point3(p) + 0.5;
             std::array::from_fn(|i| (unit[i] * count[i] as f32) as usize)
         };
-        // Between the middles of the voxels at x = 5.6, 6.0 and 6.4 the light of the two sides of the wall is
-        // interpolated.
+        // Between the centres of the voxels at x = 5.6, 6.0 and 6.4, the light of the two sides of the wall
+        // is interpolated.
         let light = |x: f32, side| red(&image, voxel(Vec3::new(x, 3.0, 1.0)), side);
         for x in [5.6, 6.0] {
             assert!(light(x, 1) > 180, "the left side at {x}");

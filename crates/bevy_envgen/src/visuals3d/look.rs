@@ -1,4 +1,4 @@
-//! The finish and the colour of a body of a world.
+//! The finish and the colour of the bodies of a world.
 
 use bevy::prelude::*;
 use envgen::World as EnvgenWorld;
@@ -9,7 +9,8 @@ use super::finish::Finish;
 use super::palette::Palette3d;
 use crate::visuals::color;
 
-/// How a body looks; `None` for those that something else draws: the classes of landscapes are drawn by their cells.
+/// Returns the finish and the colour of a body, or `None` for bodies that are drawn elsewhere, such as the
+/// classes of landscapes, which are drawn by their cells.
 pub(super) fn look(
     truth: &EnvgenWorld,
     piece: &Piece<'_>,

@@ -1,4 +1,4 @@
-//! Marks on the floor: start, goal, people to be found, and the lines of roads.
+//! Marks on the floor for the start, the goal and people to be found, and the lane markings of roads.
 
 use std::collections::BTreeMap;
 
@@ -11,13 +11,13 @@ use super::finish::Finish;
 use super::palette::Palette3d;
 use crate::part::PartKind;
 
-/// Height of marks above the floor in metres: more than that of every other thin layer.
+/// The height of marks above the floor in metres, which is above all other thin layers.
 const HEIGHT: f32 = 0.03;
 
-/// Lines of roads: height above the floor, width, length and gap in metres.
+/// The lane markings of roads: height above the floor, width, length and gap in metres.
 const LINE: (f32, f64, f64, f64) = (0.014, 0.12, 3.0, 4.5);
 
-/// Adds the mark of a start, goal or person to be found.
+/// Adds the mark of a start, a goal or a person to be found.
 pub(super) fn add(
     drafts: &mut BTreeMap<Finish, Draft>,
     kind: PartKind,
@@ -53,7 +53,7 @@ pub(super) fn add(
     }
 }
 
-/// Adds the lines between the lanes of a road.
+/// Adds the markings between the lanes of a road.
 pub(super) fn add_lanes(draft: &mut Draft, strip: &RoadStrip, origin: DVec2, palette: &Palette3d) {
     let (height, width, length, gap) = LINE;
     let path = strip.path();
@@ -62,7 +62,7 @@ pub(super) fn add_lanes(draft: &mut Draft, strip: &RoadStrip, origin: DVec2, pal
         let beside = strip.lane_width() * f64::from(lane) - 0.5 * strip.width;
         let mut at = 0.5 * gap;
         while at + length <= whole {
-            // Straight pieces of a metre follow the bends of roads.
+            // Straight pieces of one metre follow the curves of roads.
             for piece in 0..length as u32 {
                 let [from, to] = [0.0, 1.0].map(|end| path.pose_at(at + f64::from(piece) + end));
                 let corner = |pose: envgen::geometry::Pose, side: f64| {

@@ -1,8 +1,9 @@
-//! Meshes with height, materials, light and sky for the worlds of environments, and for the people, doors and smoke
-//! of scenarios.
+//! Three-dimensional meshes, materials, light and sky for the worlds of environments, and for the people,
+//! doors and smoke of scenarios.
 //!
-//! The frame is that of the plan, with z up: the floor is at z = 0, and nothing is turned to Bevy's y-up. Meshes are
-//! those of [`envgen::mesh`], exact to single precision. Cameras look with `looking_at(.., Vec3::Z)`.
+//! The frame is that of the world with z up, and the floor is at z = 0; it is not converted to Bevy's y-up.
+//! Meshes are those of [`envgen::mesh`] in single precision. Cameras must be oriented with
+//! `looking_at(.., Vec3::Z)`.
 //!
 //! ```text
 //! Environment
@@ -46,25 +47,26 @@ pub use tile::TileMesh;
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
 use crate::visuals::require_visibility;
 
-/// Draws worlds in three dimensions, for [`Camera3d`], with or without the plugin for two. Each tile has at most one
-/// mesh for each [`Finish`].
+/// Draws worlds in three dimensions, for [`Camera3d`], with or without the plugin for two dimensions. Each
+/// tile has at most one mesh for each [`Finish`].
 ///
-/// Adds the resources [`Visuals3dSettings`] and [`Palette3d`], unless the app has them, and sets Bevy's
-/// `GlobalAmbientLight` almost to none, since rooms have lamps and the open has a sky. Needs Bevy's plugins for meshes,
-/// light and `StandardMaterial`s, which are to be added before; without them it draws nothing.
+/// Adds the resources [`Visuals3dSettings`] and [`Palette3d`], unless the app already has them. It sets the
+/// brightness of Bevy's `GlobalAmbientLight` to almost zero, since rooms have lamps and the open has a sky.
+/// Needs Bevy's plugins for meshes, light and `StandardMaterial`s, which must be added before it, and draws
+/// nothing without them.
 #[derive(Clone, Debug, Default)]
 pub struct EnvgenVisuals3dPlugin {
     settings: Option<Visuals3dSettings>,
 }
 
 impl EnvgenVisuals3dPlugin {
-    /// Draws as `settings` say, whatever the app has.
+    /// Inserts `settings`, replacing those that the app already has.
     pub fn new(settings: Visuals3dSettings) -> Self {
         EnvgenVisuals3dPlugin { settings: Some(settings) }
     }
 }
 
-/// Light that is everywhere, in cd/m², so that dark rooms are not quite black.
+/// The brightness in cd/m² of the ambient light, so that dark rooms are not completely black.
 const AMBIENT: f32 = 4.0;
 
 impl Plugin for EnvgenVisuals3dPlugin {
@@ -116,7 +118,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
             PostUpdate,
             tree_levels::choose_levels
                 .after(TransformSystems::Propagate)
-                // When robots' cameras are active that take a picture.
+                // At that time the cameras of robots that take a picture are active.
                 .after(VisibilitySystems::UpdateFrusta)
                 .before(VisibilitySystems::CheckVisibility),
         );

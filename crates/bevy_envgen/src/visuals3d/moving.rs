@@ -1,4 +1,4 @@
-//! Meshes for the people and doors of scenarios.
+//! Three-dimensional meshes for the people and doors of scenarios.
 
 use bevy::prelude::*;
 use envgen::world::WallKind;
@@ -11,42 +11,45 @@ use crate::environment::GroundTruth;
 use crate::part::PartOf;
 use crate::scenario::{Door, DoorLeaf, Person};
 
-/// Thickness in metres of a leaf as it is drawn; in the scenario it has none.
+/// The thickness in metres with which a leaf is drawn. In the scenario it has none.
 const THICKNESS: f32 = 0.05;
 
-/// Gap in metres below a leaf, and above it.
+/// The gap in metres below and above a leaf.
 const CLEARANCE: f32 = 0.005;
 
-/// The mesh of a leaf, as a child of the leaf.
+/// A marker component of the mesh of a leaf, on a child of the leaf.
 #[derive(Component)]
 pub(super) struct LeafMesh;
 
-/// The mesh of leaves, of length and height 1, shared by all of a colour.
+/// A resource with the mesh of leaves, which has a length and height of 1 and is shared by all leaves of the
+/// same colour.
 #[derive(Resource, Default)]
 pub(super) struct SharedLeafMesh(Option<(Color, Handle<Mesh>)>);
 
-/// The mesh of figures, shared by all of the same colours: of bodies and of heads.
+/// A resource with the mesh of figures, which is shared by all figures with the same colours of body and
+/// head.
 #[derive(Resource, Default)]
 pub(super) struct FigureMesh(Option<([Color; 2], Handle<Mesh>)>);
 
-/// Looks like a person 1.75 m high who is at the entity and looks along its x axis. People of scenarios have it; others
-/// can get it, such as players.
+/// A component that draws its entity as a person of 1.75 m, who looks along the x axis of the entity. People
+/// of scenarios have it. An app can add it to other entities, such as players.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default, Clone)]
 #[require(Transform, Visibility)]
 pub struct Figure;
 
-/// The mesh of a figure, as a child of it. Clones and scenes have it, so that what they hold of a drawing is found.
+/// A marker component of the mesh of a figure, on a child of the figure. Clones and scenes keep it, so that
+/// the meshes that they contain can be found.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default, Clone)]
 pub(super) struct FigureBody;
 
-/// The child that draws a figure.
+/// A component with the child that draws a figure.
 #[derive(Component)]
 #[component(clone_behavior = Ignore)]
 pub(super) struct DrawnFigure(Entity);
 
-/// Gives people a figure.
+/// Adds a figure to a person.
 pub(super) fn draw_person(added: On<Add, Person>, mut commands: Commands) {
     commands.entity(added.entity).try_insert(Figure);
 }
@@ -82,8 +85,8 @@ pub(super) fn draw_figure(added: On<Add, Figure>, mut commands: Commands) {
     });
 }
 
-/// Despawns the meshes that came out of a scene, or as clones, together with their figure, which has got one of its
-/// own.
+/// Despawns the meshes that were spawned from a scene, or cloned, together with their figure, since the
+/// figure has a new mesh of its own.
 pub(super) fn remove_clones(
     added: Query<(Entity, &ChildOf), Added<FigureBody>>,
     figures: Query<&DrawnFigure>,
@@ -94,13 +97,13 @@ pub(super) fn remove_clones(
             && drawn.0 != body
         {
             commands.entity(body).try_despawn();
-            // The children that a scene lists may have replaced it.
+            // The list of children in a scene may have replaced the new child.
             commands.entity(drawn.0).try_insert(ChildOf(below.parent()));
         }
     }
 }
 
-/// A person 1.75 m high who looks along +x: legs, body, head and face.
+/// Creates the mesh of a person of 1.75 m who looks along +x, with legs, body, head and hair.
 fn figure(palette: &Palette3d) -> Mesh {
     let mut draft = Draft::default();
     let upright = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
@@ -162,7 +165,7 @@ pub(super) fn draw_leaf(added: On<Add, DoorLeaf>, mut commands: Commands) {
     });
 }
 
-/// Height of the doorway of a leaf in metres.
+/// Returns the height in metres of the doorway of a leaf.
 fn door_height(world: &World, leaf: Entity) -> f32 {
     let door = world.get::<ChildOf>(leaf).and_then(|above| world.get::<Door>(above.parent()));
     let truth = world.get::<PartOf>(leaf).and_then(|part| world.get::<GroundTruth>(part.0));
@@ -172,12 +175,13 @@ fn door_height(world: &World, leaf: Entity) -> f32 {
     top as f32
 }
 
-/// The length of a leaf's mesh. What has no length has no direction either: a millimetre is not seen.
+/// Returns the length of the mesh of a leaf. It is at least a millimetre, since a mesh without a length has
+/// no direction. A millimetre is not visible.
 fn shown_length(length: f32) -> f32 {
     length.max(1e-3)
 }
 
-/// Draws sliding leaves as long as they are.
+/// Scales the meshes of sliding leaves to their length.
 pub(super) fn stretch_leaves(
     leaves: Query<(&DoorLeaf, &Children), Changed<DoorLeaf>>,
     mut meshes: Query<&mut Transform, With<LeafMesh>>,

@@ -5,8 +5,9 @@ use envgen::palette;
 
 use crate::visuals::color;
 
-/// The colours of what a world consists of in three dimensions. Obstacles, rough ground and the classes of landscapes
-/// have those of [`envgen::palette`]. Walls and floors are lighter than on plans, where they must stand out.
+/// A resource with the colours of worlds in three dimensions. Obstacles, rough ground and the classes of
+/// landscapes have the colours of [`envgen::palette`]. Walls and floors are lighter than in two dimensions,
+/// where they need more contrast.
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct Palette3d {
@@ -24,7 +25,7 @@ pub struct Palette3d {
     pub ground: Color,
     /// The ground of forests, and beside roads and landscapes.
     pub meadow: Color,
-    /// Obstacles of no particular kind: rocks of landscapes, blocks of arenas.
+    /// Obstacles of no particular kind, such as rocks of landscapes and blocks of arenas.
     pub rock: Color,
     /// Floors of rooms.
     pub room: Color,
@@ -32,7 +33,7 @@ pub struct Palette3d {
     pub hallway: Color,
     /// Roads.
     pub road: Color,
-    /// The lines between their lanes.
+    /// The markings between the lanes of roads.
     pub marking: Color,
     /// Trunks of trees.
     pub trunk: Color,
@@ -40,9 +41,9 @@ pub struct Palette3d {
     pub crown: Color,
     /// Doors.
     pub door: Color,
-    /// Water; its alpha is how much it hides its ground.
+    /// Water. Its alpha is its opacity.
     pub water: Color,
-    /// Walls and obstacles that lasers see only from near.
+    /// Walls and obstacles that lasers see only from a short distance.
     pub dark: Color,
     /// The start.
     pub start: Color,
@@ -52,7 +53,7 @@ pub struct Palette3d {
     pub victim: Color,
     /// People of scenarios.
     pub person: Color,
-    /// Their heads.
+    /// The heads of people of scenarios.
     pub head: Color,
     /// Smoke.
     pub smoke: Color,

@@ -1,4 +1,4 @@
-//! The sky behind everything.
+//! The sky in the background.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::light::Skybox;
@@ -10,16 +10,16 @@ use bevy::render::render_resource::{
 use super::glow::INTENSITY;
 use super::settings::Visuals3dSettings;
 
-/// A sky for a [`Camera3d`], with a haze over the horizon. [`Visuals3dSettings::sky`] adds it to cameras that have
-/// neither it nor Bevy's `Skybox`.
+/// A component that gives a [`Camera3d`] a sky with haze at the horizon. [`Visuals3dSettings::sky`] adds it
+/// to cameras that have neither it nor Bevy's `Skybox`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct Sky {
-    /// Its colour at the horizon.
+    /// The colour at the horizon.
     pub horizon: Color,
-    /// Its colour overhead.
+    /// The colour overhead.
     pub zenith: Color,
-    /// Its colour below the horizon.
+    /// The colour below the horizon.
     pub ground: Color,
 }
 
@@ -33,11 +33,11 @@ impl Default for Sky {
     }
 }
 
-/// Pixels along the side of a face of the cube.
+/// The number of pixels along the side of a face of the cube map.
 const SIDE: u32 = 32;
 
 impl Sky {
-    /// The colour in a direction, of which `up` is the share along +z.
+    /// Returns the colour in a direction whose component along +z is `up`.
     fn color(self, up: f32) -> LinearRgba {
         let [horizon, zenith, ground] =
             [self.horizon, self.zenith, self.ground].map(|color| color.to_linear());
@@ -47,14 +47,14 @@ impl Sky {
         horizon.mix(&zenith, up.sqrt())
     }
 
-    /// A cube around the camera.
+    /// Creates a cube map of the sky.
     fn image(self) -> Image {
         let mut data = Vec::new();
         for face in 0..6 {
             for row in 0..SIDE {
                 for column in 0..SIDE {
                     let [u, v] = [column, row].map(|i| 2.0 * (i as f32 + 0.5) / SIDE as f32 - 1.0);
-                    // Faces +x, -x, +y, -y, +z, -z of a left-handed cube, which Bevy samples with -z.
+                    // The faces are +x, -x, +y, -y, +z, -z of a left-handed cube, which Bevy samples with -z.
                     let direction = match face {
                         0 => Vec3::new(1.0, -v, -u),
                         1 => Vec3::new(-1.0, -v, u),
@@ -81,33 +81,33 @@ impl Sky {
     }
 }
 
-/// On a camera that got its sky because of the settings.
+/// A marker component of a camera whose sky was added because of the settings.
 #[derive(Component, Clone, Copy)]
 pub(super) struct GivenSky;
 
-/// The image that a sky is drawn with.
+/// A component with the image of a sky.
 #[derive(Component, Clone)]
 pub(super) struct DrawnSky(Handle<Image>);
 
-/// A camera without a sky, from which none was taken.
+/// A filter for cameras without a sky, to which none was added before.
 type Bare = (With<Camera3d>, Without<Sky>, Without<Skybox>, Without<GivenSky>);
 
-/// A camera whose sky is new.
+/// A filter for cameras whose sky is new or has changed.
 type Renewed = (With<Camera3d>, Changed<Sky>);
 
-/// Takes the skies that cameras got once the settings say so.
+/// Removes the skies that were added to cameras, once the settings no longer ask for them.
 pub(super) fn take_skies(
     settings: Res<Visuals3dSettings>,
     given: Query<(Entity, &Sky), With<GivenSky>>,
     mut commands: Commands,
 ) {
-    // One that an app has changed is its own.
+    // A sky that the app has changed is kept.
     for (camera, _) in given.iter().filter(|(_, sky)| !settings.sky && **sky == Sky::default()) {
         commands.entity(camera).try_remove::<(Sky, GivenSky)>();
     }
 }
 
-/// Gives cameras a sky where the settings say so, and draws those that changed.
+/// Adds a sky to cameras if the settings ask for it, and draws new and changed skies.
 pub(super) fn add_skies(
     settings: Res<Visuals3dSettings>,
     bare: Query<Entity, Bare>,
@@ -139,7 +139,7 @@ pub(super) fn add_skies(
     }
 }
 
-/// Removes what draws a sky that is removed, unless the app has put its own there.
+/// Removes the skybox of a sky that is removed, unless the app has replaced the skybox.
 pub(super) fn remove_skybox(
     removed: On<Remove, Sky>,
     cameras: Query<(&Skybox, &DrawnSky)>,

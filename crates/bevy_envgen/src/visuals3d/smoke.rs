@@ -1,4 +1,4 @@
-//! Smoke: boxes that hide what is in and behind them, the more the thicker the smoke is.
+//! Smoke: boxes that hide what is in and behind them. The denser the smoke is, the more they hide.
 
 use bevy::asset::{AssetServer, uuid_handle};
 use bevy::core_pipeline::prepass::DepthPrepass;
@@ -26,30 +26,32 @@ use crate::visuals::moving::{SmokeOutline, draw_each_smoke, shown};
 
 const SHADER: Handle<Shader> = uuid_handle!("5c9a4a3e-5f0e-4a0c-9a57-1f7f3c9d8b21");
 
-/// Smoke as bright as the lamps that shine on it, as a share of its colour.
+/// The brightness of smoke in light, as a fraction of its colour.
 const LIT: f32 = 0.75;
 
-/// What all boxes of smoke of a colour are made of: how thick one is, and how bright, is its [`MeshTag`], so that those
-/// with nothing else transparent between them, by distance from the camera, are one draw.
+/// The material of all boxes of smoke of a colour. The density and the brightness of a box are in its
+/// [`MeshTag`], so that boxes are drawn in one draw call if nothing else that is transparent is between them
+/// in the order of distance from the camera.
 #[derive(Asset, AsBindGroup, TypePath, Clone, Debug)]
 pub(super) struct SmokeMaterial {
     #[uniform(0)]
     color: LinearRgba,
 }
 
-/// A tag has 20 bits for the square root of the extinction (1/m), in steps of 1/8192, and 12 for the light.
+/// A tag has 20 bits for the square root of the extinction coefficient (1/m), in steps of 1/8192, and 12 bits
+/// for the light.
 const ROOT_STEPS: f64 = 8192.0;
 const MOST_ROOT: f64 = 1_048_575.0;
 const LIGHT_BITS: u32 = 12;
 const MOST_LIGHT: f32 = 4095.0;
 
-/// The tag of a box of smoke in light of 0 to 1.
+/// Returns the tag of a box of smoke in light from 0 to 1.
 fn tag(extinction: f64, light: f32) -> MeshTag {
     let root = (extinction.max(0.0).sqrt() * ROOT_STEPS).min(MOST_ROOT).round() as u32;
     MeshTag((root << LIGHT_BITS) | (light.clamp(0.0, 1.0) * MOST_LIGHT).round() as u32)
 }
 
-/// The mesh that boxes share, and the materials by colour.
+/// A resource with the mesh that all boxes share, and the materials by colour.
 #[derive(Resource)]
 pub(super) struct SharedSmoke {
     mesh: Handle<Mesh>,
@@ -80,7 +82,8 @@ impl Material for SmokeMaterial {
         _: MaterialPipelineKey<Self>,
     ) -> Result<(), SpecializedMeshPipelineError> {
         descriptor.primitive.cull_mode = Some(Face::Front);
-        // Far sides are often in walls; the shader itself ends rays at what is in front.
+        // The far sides of boxes are often inside walls. The shader itself ends rays at what is in front of
+        // them.
         if let Some(depth) = &mut descriptor.depth_stencil {
             depth.depth_compare = Some(CompareFunction::Always);
             depth.depth_write_enabled = Some(false);
@@ -89,10 +92,10 @@ impl Material for SmokeMaterial {
     }
 }
 
-/// A box of smoke, a child of [`Smoke`].
+/// A component of a box of smoke, on a child of [`Smoke`].
 #[derive(Component)]
 pub(super) struct SmokeBox {
-    /// Light on it, as a share of the brightest.
+    /// The light on the box, as a fraction of the brightest light.
     light: f32,
 }
 
@@ -107,7 +110,7 @@ pub(super) fn build(app: &mut App) {
     app.add_plugins(MaterialPlugin::<SmokeMaterial>::default());
     if let Some(mut shaders) = app.world_mut().get_resource_mut::<Assets<Shader>>() {
         let shader = Shader::from_wgsl(include_str!("smoke.wgsl"), file!());
-        // The place of this handle is free.
+        // The handle is not in use yet.
         shaders.insert(&SHADER, shader).ok();
     }
 }
@@ -162,7 +165,7 @@ fn add_smoke(world: &mut World, entity: Entity, place: &SmokeOutline) {
     }
 }
 
-/// The mesh of all boxes, and the material of those in the colour that smoke has now.
+/// Returns the mesh of all boxes, and the material of boxes in the current colour of smoke.
 fn shared(world: &mut World) -> (Handle<Mesh>, Handle<SmokeMaterial>) {
     let brightness = world.resource::<Visuals3dSettings>().brightness;
     let color = world.resource::<Palette3d>().smoke.to_linear() * brightness;
@@ -180,7 +183,7 @@ fn shared(world: &mut World) -> (Handle<Mesh>, Handle<SmokeMaterial>) {
     (mesh, material)
 }
 
-/// Boxes in place of a shape: exactly, or the boxes around its convex pieces.
+/// Returns boxes in place of a shape: a box itself, or the bounding boxes of the convex pieces of a polygon.
 fn boxes(shape: &Shape) -> Vec<Shape> {
     let around = || vec![Shape::from_rect(shape.bounds())];
     match shape {
@@ -198,7 +201,8 @@ fn boxes(shape: &Shape) -> Vec<Shape> {
     }
 }
 
-/// The height of the room that smoke is in, and the light there, as a share of the brightest.
+/// Returns the height of the room that the smoke is in, and the light there as a fraction of the brightest
+/// light.
 fn surroundings(truth: &EnvgenWorld, shape: &Shape, settings: &Visuals3dSettings) -> (f32, f32) {
     let middle: DVec2 = shape.bounds().center();
     let room = truth.rooms.iter().find(|room| room.shape.contains(middle));
@@ -208,7 +212,7 @@ fn surroundings(truth: &EnvgenWorld, shape: &Shape, settings: &Visuals3dSettings
     (top as f32, light)
 }
 
-/// Draws smoke as thick as it is.
+/// Updates boxes to the extinction coefficient of their smoke.
 pub(super) fn thicken_smoke(
     smoke: Query<(&Smoke, &Children), Changed<Smoke>>,
     mut boxes: Query<(&SmokeBox, &mut MeshTag, &mut Visibility)>,
@@ -222,7 +226,7 @@ pub(super) fn thicken_smoke(
     }
 }
 
-/// Gives cameras the depths that smoke ends at.
+/// Adds a depth prepass to cameras, since smoke ends at the depths of solid surfaces.
 pub(super) fn measure_depths(
     smoke: Query<(), With<SmokeBox>>,
     cameras: Query<Entity, (With<Camera3d>, Without<DepthPrepass>)>,
@@ -253,7 +257,7 @@ mod tests {
         let other = shared(&mut world);
         assert_eq!(other.0, first.0);
         assert_ne!(other.1, first.1);
-        // The first one keeps its colour.
+        // The first material keeps its colour.
         let materials = world.resource::<Assets<SmokeMaterial>>();
         let color = Palette3d::default().smoke.to_linear();
         assert_eq!(materials.get(&first.1).expect("a material").color, color);
@@ -268,7 +272,7 @@ mod tests {
             assert!((root * root - extinction).abs() <= 1e-3 * extinction, "{extinction}");
             assert!(((tag & 0xfff) as f32 / MOST_LIGHT - light).abs() < 2e-4, "{light}");
         }
-        // What is out of range stays in it.
+        // Values that are out of range are clamped.
         assert_eq!(tag(f64::INFINITY, f32::INFINITY), MeshTag(u32::MAX));
         assert_eq!(tag(-1.0, -1.0), MeshTag(0));
         assert_eq!(tag(f64::NAN, f32::NAN), MeshTag(0));

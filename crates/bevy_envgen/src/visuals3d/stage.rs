@@ -1,4 +1,4 @@
-//! What is around the tiles of a world: ground, light, the sun; and the ceilings over its rooms.
+//! What surrounds the tiles of a world: ground, ambient light and the sun. Also the ceilings over its rooms.
 
 use std::collections::BTreeMap;
 
@@ -21,51 +21,52 @@ use crate::environment::{EndlessTruth, Environment, GroundTruth, SpawnedOrigin};
 use crate::job::spawned_origin;
 use crate::streaming::StreamAround;
 
-/// Ground and light of a world, on a child of its [`Environment`]. Its own children are what draws. That of a scene or
-/// a clone is replaced.
+/// A marker component of the ground and the light of a world, on a child of its [`Environment`]. The children
+/// of this entity are drawn. A stage that was spawned from a scene, or cloned, is replaced.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default, Clone)]
 #[require(Transform, Visibility)]
 pub struct Stage;
 
-/// The sun over a world, on a `DirectionalLight`.
+/// A marker component of the sun over a world, on an entity with a `DirectionalLight`.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Debug, Default, Clone)]
 pub struct Sun;
 
-/// How deep the ground around a world is below its floors in metres.
+/// The depth in metres of the ground around a world below the floors of the world.
 const BELOW: f64 = 0.04;
 
-/// The same of worlds without floors, whose trees and robots are on it.
+/// The same for worlds without floors, whose trees and robots are on this ground.
 const BESIDE: f64 = 0.002;
 
-/// How far the ground reaches beyond the bounds, in metres and as a share of their size.
+/// How far the ground extends beyond the bounds of the world, in metres and as a fraction of their size.
 const BEYOND: (f64, f64) = (80.0, 1.0);
 
 /// Half the side of the ground of endless worlds in metres.
 const ENDLESS: f64 = 3000.0;
 
-/// What the ground of endless worlds moves by in metres: whole repetitions of its texture.
+/// The step in metres by which the ground of endless worlds moves, which is a multiple of the side of its
+/// texture.
 const STEP: f32 = 1200.0;
 
-/// Illuminance of the sun in lux in the open, and as a share of it over buildings without ceilings. With the default
-/// exposure of Bevy's cameras.
+/// The illuminance of the sun in lux in the open, and the fraction of it over buildings without ceilings, for
+/// the default exposure of Bevy's cameras.
 const SUN: (f32, f32) = (2200.0, 0.35);
 
 /// The direction to the sun.
 const TO_SUN: Vec3 = Vec3::new(-0.45, -0.6, 1.0);
 
-/// Bottom and top of thresholds in metres. They are a little deeper than the floors beside them, which they may overlap;
-/// much deeper, the sides of those floors would be seen as lines of dots.
+/// The bottom and the top of thresholds in metres. They are slightly lower than the floors beside them, which
+/// they may overlap. If they were much lower, the sides of those floors would be visible as dotted lines.
 const THRESHOLD: (f64, f64) = (-0.1, -0.0003);
 
-/// An environment with a world, finite or endless.
+/// An environment with its world, finite or endless.
 type Grown = (Entity, Option<&'static GroundTruth>, Option<&'static EndlessTruth>);
 
-/// Another world, or another place of it.
+/// A filter for environments with another world, or another origin of it.
 type Renewed = Or<(Changed<GroundTruth>, Changed<EndlessTruth>, Changed<SpawnedOrigin>)>;
 
-/// Builds the stages of worlds that are new or changed, and all when the settings of what is in them change.
+/// Spawns the stages of worlds that are new or changed, and of all worlds when the settings change.
 pub(super) fn set_stage(
     world: &mut World,
     mut built_with: Local<Option<Visuals3dSettings>>,
@@ -76,7 +77,7 @@ pub(super) fn set_stage(
     if !can_draw(world) {
         return;
     }
-    // Compared: a panel that offers them may touch them in every frame.
+    // Settings are compared, since a panel that shows them may mark them as changed in every frame.
     let settings = Visuals3dSettings {
         sky: false,
         detail_distance: 0.0,
@@ -114,7 +115,7 @@ pub(super) fn set_stage(
     }
 }
 
-/// Moves ground and light of endless worlds after their anchors, in steps of whole textures.
+/// Moves the ground and the light of endless worlds along with their anchors, in steps of whole textures.
 pub(super) fn follow_anchors(
     mut stages: Query<(&ChildOf, &mut Transform), With<Stage>>,
     endless: Query<(&StreamAround, &GlobalTransform), With<EndlessTruth>>,
@@ -132,7 +133,8 @@ pub(super) fn follow_anchors(
     }
 }
 
-/// Lets one sun shine: each lights the whole app. The brightest, of those first whose world is not hidden.
+/// Shows only one sun, since each would light the whole app: the brightest sun of the worlds that are
+/// visible.
 pub(super) fn share_sun(
     mut suns: Query<(Entity, &ChildOf, &DirectionalLight, &mut Visibility), With<Sun>>,
     stages: Query<&InheritedVisibility>,
@@ -168,10 +170,10 @@ fn spawn_stage(world: &mut World, stage: Entity, origin: DVec2, truth: Option<&E
     let corners = envgen::geometry::Shape::from_rect(bounds).corners();
     let corners: Vec<Vec2> = corners.iter().map(|p| (*p - origin).as_vec2()).collect();
     let has_floors = truth.is_some_and(|truth| is_building(truth) || truth.raster.is_some());
-    // Without floors of its own, those of a world beside it lie over it.
+    // Without floors, the floors of another world beside this one may lie over this ground.
     let top = if has_floors { -BELOW } else { -BESIDE };
     draft.add_flat(&corners, top as f32, color);
-    // The light of buildings ends at their walls.
+    // The ambient light of buildings ends at their walls.
     let finish = if building.is_some() { Finish::Mark } else { Finish::Ground };
     if let Some(material) = material(world, finish) {
         let mesh = world.resource_mut::<Assets<Mesh>>().add(draft.into_mesh());
@@ -214,7 +216,7 @@ fn spawn_stage(world: &mut World, stage: Entity, origin: DVec2, truth: Option<&E
     ));
 }
 
-/// Adds the floor of a doorway: those of rooms end at the walls.
+/// Adds the floor of a doorway, since the floors of rooms end at the walls.
 pub(super) fn add_threshold(
     drafts: &mut BTreeMap<Finish, Draft>,
     truth: &EnvgenWorld,
@@ -233,7 +235,7 @@ pub(super) fn add_threshold(
     }
 }
 
-/// Adds the ceiling of a room or hallway, and the lamps below that of a lit room.
+/// Adds the ceiling of a room or hallway, and lamps below it unless the room is dark.
 pub(super) fn add_ceiling(
     drafts: &mut BTreeMap<Finish, Draft>,
     truth: &EnvgenWorld,

@@ -1,4 +1,4 @@
-//! The textures of finishes, calculated: tiles, plaster with a skirting board, panels, soil.
+//! The procedural textures of finishes: tiles, plaster with a skirting board, panels and soil.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
@@ -8,15 +8,16 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use super::finish::Finish;
 use super::glow::srgb_codes;
 
-/// Pixels along the side of a texture.
+/// The number of pixels along the side of a texture.
 const SIDE: u32 = 256;
 
-/// Width of the joints of tiles and of panels, and height of skirting boards, in metres.
+/// The width of the joints of tiles and panels, and the height of skirting boards, in metres.
 const JOINT: f32 = 0.012;
 const SKIRTING: f32 = 0.09;
 
 impl Finish {
-    /// The side in metres of what the texture shows; `None` for finishes without one.
+    /// Returns the side in metres of the area that the texture covers, or `None` for finishes without a
+    /// texture.
     pub(super) fn texture_side(self) -> Option<f32> {
         match self {
             Finish::Floor | Finish::Ceiling => Some(2.4),
@@ -27,7 +28,7 @@ impl Finish {
         }
     }
 
-    /// Lightness at a point in metres, as a factor on the colour of the finish.
+    /// Returns the lightness at a point in metres, as a factor on the colour of the finish.
     fn lightness(self, p: Vec2, side: f32) -> f32 {
         let noise = |cell: f32, share: f32| 1.0 - share * smooth_noise(p, cell, side);
         match self {
@@ -51,7 +52,7 @@ impl Finish {
         }
     }
 
-    /// Its texture with all its halves, so that it does not flicker from afar.
+    /// Returns the texture with all its mipmap levels, so that it does not flicker from afar.
     pub(super) fn texture(self) -> Option<Image> {
         let side = self.texture_side()?;
         let step = side / SIDE as f32;
@@ -93,7 +94,7 @@ impl Finish {
         let mut image = Image::new_uninit(size, TextureDimension::D2, format, usage);
         image.data = Some(data);
         image.texture_descriptor.mip_level_count = levels;
-        // The skirting board is at the bottom only.
+        // The skirting board is only at the bottom, so the texture does not repeat upwards.
         let upward = if self == Finish::Wall {
             ImageAddressMode::ClampToEdge
         } else {
@@ -112,7 +113,7 @@ impl Finish {
     }
 }
 
-/// A number from 0 to 1 for a point of a grid.
+/// Returns a pseudo-random number from 0 to 1 for a point of a grid.
 fn random(at: IVec2) -> f32 {
     // A multiplicative hash in two rounds.
     let mut bits =
@@ -122,7 +123,7 @@ fn random(at: IVec2) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Noise from 0 to 1 that changes over `cell` metres and repeats after `side` metres.
+/// Returns noise from 0 to 1 that varies over `cell` metres and repeats after `side` metres.
 fn smooth_noise(p: Vec2, cell: f32, side: f32) -> f32 {
     let count = (side / cell).round().max(1.0);
     let p = p * (count / side);

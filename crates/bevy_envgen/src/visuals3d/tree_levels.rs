@@ -1,4 +1,4 @@
-//! Levels of detail: trees far from every camera are drawn with fewer triangles.
+//! Levels of detail: trees that are far from every camera are drawn with fewer triangles.
 
 use std::sync::Arc;
 
@@ -6,25 +6,26 @@ use bevy::prelude::*;
 
 use super::settings::Visuals3dSettings;
 
-/// Number of levels.
+/// The number of levels.
 pub(super) const LEVELS: usize = 3;
 
-/// Where the coarsest level begins, as a multiple of where the finest one ends.
+/// The distance at which the coarsest level begins, as a multiple of the distance at which the finest one
+/// ends.
 const COARSEST: f32 = 2.5;
 
-/// How far in metres a camera moves before levels are chosen again.
+/// The distance in metres that a camera must move before the levels are chosen again.
 const MOVED: f32 = 1.0;
 
-/// The meshes of a trunk or crown, from the finest to the coarsest.
+/// A component with the meshes of a trunk or crown, from the finest to the coarsest.
 #[derive(Component)]
 pub(super) struct TreeLevels(pub(super) Arc<[Handle<Mesh>; LEVELS]>);
 
-/// The level at a distance in metres from the nearest camera.
+/// Returns the level for a distance in metres to the nearest camera.
 fn level(distance: f32, detail_distance: f32) -> usize {
     [1.0, COARSEST].iter().filter(|&&factor| distance > factor * detail_distance).count()
 }
 
-/// Gives each trunk and crown the mesh for its distance to the nearest camera.
+/// Sets the mesh of each trunk and crown for its distance to the nearest camera.
 pub(super) fn choose_levels(
     settings: Res<Visuals3dSettings>,
     cameras: Query<(&GlobalTransform, &Camera, &Projection), With<Camera3d>>,
@@ -34,7 +35,7 @@ pub(super) fn choose_levels(
 ) {
     let cameras = || cameras.iter().filter(|(_, camera, _)| camera.is_active);
     let eyes: Vec<Vec3> = cameras().map(|(at, ..)| at.translation()).collect();
-    // Distance makes nothing smaller there.
+    // In an orthographic projection distant trees are not smaller.
     let is_flat = cameras().any(|(.., how)| matches!(how, Projection::Orthographic(_)));
     let detail_distance = if is_flat { f32::INFINITY } else { settings.detail_distance };
     let (then, distance_then) = &*chosen_for;

@@ -1,4 +1,5 @@
-//! Trees: every trunk and crown is one of a few meshes, stretched, so that forests are drawn by instancing.
+//! Trees: every trunk and crown is a scaled copy of one of a few meshes, so that forests are drawn by
+//! instancing.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -19,23 +20,25 @@ use crate::part::PartKind;
 use crate::shape::PartShape;
 use crate::spawn::TileSpawned;
 
-/// Sides of the trunks of thin, middling and thick trees, the radius for which their bark is, and the radius up to
-/// which they suffice, in metres. Far away they have half and a quarter as many.
+/// For the trunks of thin, medium and thick trees: the number of sides, the radius for which the bark is
+/// scaled, and the largest radius, in metres. Far from cameras the trunks have half and a quarter as many
+/// sides.
 const SIDES: [(u32, f64, f64); 3] = [(16, 0.05, 0.15), (28, 0.16, 0.5), (48, 0.47, f64::INFINITY)];
 
-/// Corners around a crown and bands from its bottom to its top, from near to far.
+/// The number of corners around a crown, and of bands from its bottom to its top, from the nearest level to
+/// the farthest.
 const CROWN: [(u32, u32); LEVELS] = [(12, 6), (8, 4), (6, 3)];
 
-/// Crowns differ in lightness by these factors, so that one can tell them apart.
+/// Factors on the lightness of crowns, so that neighbouring crowns can be distinguished.
 const SHADES: [f32; 3] = [0.9, 1.0, 1.12];
 
-/// The meshes and materials of trees, shared by all.
+/// A resource with the meshes and materials that all trees share.
 #[derive(Resource, Default)]
 pub(super) struct TreeMeshes {
     crown: Option<Arc<[Handle<Mesh>; LEVELS]>>,
     trunks: BTreeMap<u32, Arc<[Handle<Mesh>; LEVELS]>>,
     bark: Option<Handle<StandardMaterial>>,
-    /// The colours of trunks and crowns that the materials have.
+    /// The colours of trunks and crowns from which the materials were made.
     colors: Option<[Color; 2]>,
     leaves: Vec<Handle<StandardMaterial>>,
 }
@@ -51,7 +54,7 @@ pub(super) fn plant(world: &mut World, spawned: &TileSpawned) {
             if let Some(truth) = truth {
                 return Some((id.index, *truth.trees.get(id.index as usize)?));
             }
-            // Of an endless forest.
+            // A tree of an endless forest.
             let PartShape::Disc { radius } = shape else { return None };
             let center = at.translation.truncate().as_dvec2() + origin;
             Some((id.index, Tree::new(center, f64::from(*radius))))
@@ -85,7 +88,7 @@ pub(super) fn plant(world: &mut World, spawned: &TileSpawned) {
         ));
         let Crown { extent, radius } = tree.crown();
         let middle = (0.5 * (extent.bottom() + extent.top())) as f32;
-        // A trunk that is round about the same axis gives every crown another turn.
+        // Each crown is rotated differently. The trunk is round, so its rotation does not matter.
         let turn = Quat::from_rotation_z(0.7 * (index % 9) as f32);
         let pose = Transform::from_translation(at.extend(middle))
             .with_rotation(turn)
@@ -102,7 +105,7 @@ pub(super) fn plant(world: &mut World, spawned: &TileSpawned) {
     world.spawn_batch(parts);
 }
 
-/// Makes what trees share.
+/// Creates the meshes and materials that trees share.
 fn make_shared(world: &mut World) {
     let palette = world.resource::<Palette3d>().clone();
     let colors = Some([palette.trunk, palette.crown]);
@@ -110,7 +113,7 @@ fn make_shared(world: &mut World) {
         return;
     }
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
-    // All levels are as wide on average: of the same volume.
+    // All levels have the same volume, and so the same width on average.
     let mut drawn = |solids: [Solid; LEVELS], radius: f64, finish| {
         let volume = solids[0].volume();
         Arc::new(solids.map(|mut solid| {
