@@ -1,4 +1,4 @@
-//! Lines over trials, for debugging: beams, frontiers and plans, at the estimated poses.
+//! Gizmos over trials, for debugging: beams, frontiers and plans, at the estimated poses.
 
 use std::collections::BTreeMap;
 
@@ -19,20 +19,20 @@ use mapping_trial::trial::Trial;
 use crate::trial::MappingTrial;
 use crate::view::WatchTrial;
 
-/// The layers that are drawn over trials; by default none.
+/// A resource that selects the layers to draw over trials. By default no layer is drawn.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct TrialDebugLayers {
-    /// The beams of the robots' last scans, from the estimated poses.
+    /// The beams of the last scan of each robot, from its estimated pose.
     pub rays: bool,
-    /// The frontiers of the robots' map, in clusters that are worth a visit.
+    /// The frontiers of the map of the robots, in the clusters that are worth visiting.
     pub frontiers: bool,
     /// The paths that exploration policies follow.
     pub plan: bool,
 }
 
 impl TrialDebugLayers {
-    /// All layers.
+    /// Selects all layers.
     pub const ALL: TrialDebugLayers = TrialDebugLayers { rays: true, frontiers: true, plan: true };
 }
 
@@ -40,17 +40,18 @@ impl TrialDebugLayers {
 const BEAM: Srgb = palette::VERMILION;
 const PLAN: Srgb = palette::PURPLE;
 
-/// Radius in metres of the mark of a goal.
+/// The radius in metres of the mark of a goal.
 const GOAL: f32 = 0.2;
 
 /// Half the side in metres of the mark of a frontier cell.
 const CELL: f64 = 0.02;
 
-/// Degrees between the hues of successive clusters, so that neighbours in the list differ clearly.
+/// The difference in degrees between the hues of successive clusters, so that neighbours in the list differ
+/// clearly.
 const HUE_STEP: f32 = 137.5;
 
-/// Draws the layers that [`TrialDebugLayers`] switches on over [`MappingTrial`]s, in [`DebugSystems`]
-/// with the gizmos of [`EnvgenGizmos`]. Adds [`EnvgenDebugPlugin`], unless it is added already.
+/// Draws the layers that [`TrialDebugLayers`] selects over [`MappingTrial`]s, in [`DebugSystems`] with the
+/// gizmo group [`EnvgenGizmos`]. Adds [`EnvgenDebugPlugin`], unless it is already added.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TrialDebugPlugin;
 
@@ -65,9 +66,9 @@ impl Plugin for TrialDebugPlugin {
     }
 }
 
-/// Extension of [`App`] for plugins whose components hold trials.
+/// An extension of [`App`] for plugins with components that hold trials.
 pub trait DebugTrials {
-    /// Draws the layers for the trials of a component. Needs [`TrialDebugPlugin`].
+    /// Adds the systems that draw the layers for the trials of a component. Needs [`TrialDebugPlugin`].
     fn debug_trials<T: WatchTrial>(&mut self) -> &mut Self;
 }
 
@@ -88,7 +89,7 @@ impl DebugTrials for App {
 type Trials<'w, 's, T> =
     Query<'w, 's, (Entity, &'static SpawnedOrigin, &'static GlobalTransform, &'static T)>;
 
-/// Draws the beams of the robots' last scans.
+/// Draws the beams of the last scan of each robot.
 fn draw_rays<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<EnvgenGizmos>) {
     for (_, origin, frame, holder) in &trials {
         let Some(trial) = holder.watched() else { continue };
@@ -99,7 +100,7 @@ fn draw_rays<T: WatchTrial>(trials: Trials<'_, '_, T>, mut gizmos: Gizmos<Envgen
     }
 }
 
-/// Calls back with both ends of every beam that has an echo, in the world's frame.
+/// Calls `beam` with both ends of every beam that has an echo, in the frame of the world.
 fn beams<B: RobotBackend>(trial: &Trial<B>, mut beam: impl FnMut(DVec2, DVec2)) {
     let (autonomy, settings) = (trial.autonomy(), trial.settings());
     for robot in 0..trial.robots() {
@@ -115,7 +116,7 @@ fn beams<B: RobotBackend>(trial: &Trial<B>, mut beam: impl FnMut(DVec2, DVec2)) 
 
 /// The frontiers of a map, updated only when the map has changed.
 struct Edge {
-    /// Revision of the map.
+    /// The revision of the map.
     revision: Option<u64>,
     costmap: Costmap,
     frontiers: Frontiers,
@@ -128,7 +129,7 @@ impl Edge {
 
     fn renew(&mut self, map: &OccupancyMap, robot: &Robot) {
         if self.revision.is_some_and(|revision| revision > map.revision()) {
-            // Another trial has begun.
+            // A lower revision means that another trial has begun.
             *self = Edge::new(robot);
         }
         if self.revision != Some(map.revision()) {
@@ -138,7 +139,7 @@ impl Edge {
         }
     }
 
-    /// Calls back with the index of the cluster and the centre of every cell.
+    /// Calls `cell` with the index of the cluster and the centre of every cell.
     fn cells(&self, mut cell: impl FnMut(usize, DVec2)) {
         for cluster in 0..self.frontiers.len() {
             for index in self.frontiers.cells(cluster) {
@@ -148,7 +149,7 @@ impl Edge {
     }
 }
 
-/// Draws the frontiers of the robots' map, each cluster in its own colour.
+/// Draws the frontiers of the map of the robots, each cluster in its own colour.
 fn draw_frontiers<T: WatchTrial>(
     trials: Trials<'_, '_, T>,
     layers: Res<TrialDebugLayers>,
@@ -156,7 +157,7 @@ fn draw_frontiers<T: WatchTrial>(
     mut gizmos: Gizmos<EnvgenGizmos>,
 ) {
     if !layers.frontiers {
-        // The next frame may show another trial's map.
+        // When the layer is shown again, the trial may have another map.
         edges.clear();
         return;
     }

@@ -1,4 +1,4 @@
-//! Bevy plugins for robots in rapier, and for mapping trials with them, in the worlds of
+//! Bevy plugins for robots in rapier, and for mapping trials with these robots, in the worlds of
 //! [`bevy_envgen`]. No window or renderer is needed.
 //!
 //! ```
@@ -15,7 +15,7 @@
 //! app.update(); // or app.run()
 //! ```
 //!
-//! [`robot`] describes how robots drive and sense, and [`trial`] how trials run.
+//! The module [`robot`] describes how robots drive and sense, and the module [`trial`] how trials run.
 //!
 //! # What is spawned
 //!
@@ -44,11 +44,10 @@
 //!
 //! # System sets
 //!
-//! The schedule of rapier, `FixedUpdate` by default, runs robots and trials before and after it:
-//! [`TrialSystems::Command`](trial::TrialSystems), [`RobotSystems::Drive`](robot::RobotSystems),
-//! rapier's `PhysicsSet`, [`ScenarioSystems`](bevy_envgen::ScenarioSystems),
+//! Robots and trials run in rapier's schedule, which is `FixedUpdate` by default, before and after rapier:
+//! [`TrialSystems::Command`](trial::TrialSystems), [`RobotSystems::Drive`](robot::RobotSystems), rapier's
+//! `PhysicsSet`, [`ScenarioSystems`](bevy_envgen::ScenarioSystems),
 //! [`RobotSystems::Sense`](robot::RobotSystems), [`TrialSystems::Record`](trial::TrialSystems).
-//!
 //! # Features
 //!
 //! | feature | default | what it adds |
@@ -60,7 +59,7 @@
 //! | `egui` | no | `ui`, panels for specs, trials, scores and the feedback form |
 //! | `serialize` | no | serde for the properties of robots; the feature `serialize` of [`bevy_envgen`] |
 //!
-//! By default the default features of [`bevy_envgen`] are on.
+//! The default features include the default features of [`bevy_envgen`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -81,7 +80,7 @@ pub use bevy_envgen;
 pub use bevy_rapier2d;
 pub use mapping_trial;
 
-/// What most apps need, beside the prelude of [`bevy_envgen`].
+/// The items that most apps need, in addition to the prelude of [`bevy_envgen`].
 pub mod prelude {
     pub use crate::robot::{
         Battery, Bumper, Chassis, DriveCommand, LaserScan, LaserScanner, RobotModel, RobotPlugin,
@@ -93,7 +92,7 @@ pub mod prelude {
     };
 }
 
-/// The snippets of the README.
+/// The doctests of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! Folders of pictures for other programs.
+//! Folders with the pictures of cameras, for other programs.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -12,36 +12,39 @@ use super::frame::CameraFrame;
 use super::labels::Labels;
 use super::settings::RobotCamera;
 
-/// Metres per unit of the depth images.
+/// The number of metres per unit of the depth images.
 pub const DEPTH_UNIT: f64 = 1e-3;
 
-/// The label in images of 16 bits of everything whose label is greater.
+/// The label in 16-bit images of everything whose label does not fit into 16 bits.
 pub const OTHER_LABEL: u16 = u16::MAX;
 
-/// The description is written again after this many pictures, so that little is lost where a program is killed.
+/// The number of pictures after which the description is written again, so that little is lost if the program
+/// is killed.
 const FRAMES_A_SAVE: usize = 50;
 
-/// Name of the description.
+/// The name of the file with the description.
 const DESCRIPTION: &str = "frames.json";
 
-/// A folder of the pictures of one camera: `rgb/000001.png` with 8 bits per colour, `depth/000001.png` in
-/// millimetres and `labels/000001.png` with 16 bits, and `frames.json`. See the guide for the format.
+/// A folder with the pictures of one camera: `rgb/000001.png` with 8 bits per colour, `depth/000001.png` in
+/// millimetres, `labels/000001.png` with 16 bits, and the description `frames.json`. The guide documents the
+/// format.
 #[derive(Debug)]
 pub struct CameraFolder {
     folder: PathBuf,
     camera: RobotCamera,
     frames: Vec<Value>,
-    /// What the labels that were seen mean.
+    /// The descriptions of the labels that occurred.
     labels: BTreeMap<u16, Value>,
-    /// The fixed part of the description.
+    /// The constant part of the description.
     head: serde_json::Map<String, Value>,
 }
 
 impl CameraFolder {
-    /// Begins a folder, which is made if need be. The pictures of an earlier recording in it are removed.
+    /// Starts a recording in a folder, which is created if necessary. The pictures of an earlier recording in
+    /// it are removed.
     ///
     /// # Errors
-    /// A folder that cannot be made or written to.
+    /// Returns an error if the folder cannot be created or written to.
     pub fn create(folder: impl Into<PathBuf>, camera: RobotCamera) -> io::Result<Self> {
         let folder = folder.into();
         let is_earlier = folder.join(DESCRIPTION).is_file();
@@ -66,10 +69,10 @@ impl CameraFolder {
         Ok(new)
     }
 
-    /// Writes a picture.
+    /// Writes the images of a picture.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if a file cannot be written.
     pub fn push(&mut self, frame: &CameraFrame) -> io::Result<()> {
         let (width, height) = (frame.optics.width, frame.optics.height);
         let name = format!("{:06}.png", self.frames.len() + 1);
@@ -96,7 +99,7 @@ impl CameraFolder {
             write("labels", "label_file_path", sixteen, &data)?;
             let mut last = None;
             for &label in labels {
-                // Neighbours mostly have the same.
+                // Neighbouring pixels mostly have the same label.
                 if last.replace(label) == Some(label) {
                     continue;
                 }
@@ -121,21 +124,21 @@ impl CameraFolder {
         if self.frames.len().is_multiple_of(FRAMES_A_SAVE) { self.save() } else { Ok(()) }
     }
 
-    /// Writes the rest of the description; returns its path.
+    /// Writes the complete description, and returns its path.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// Returns an error if the file cannot be written.
     pub fn finish(self) -> io::Result<PathBuf> {
         self.save()?;
         Ok(self.folder.join(DESCRIPTION))
     }
 
-    /// Number of pictures so far.
+    /// Returns the number of pictures so far.
     pub fn len(&self) -> usize {
         self.frames.len()
     }
 
-    /// Whether there are no pictures yet.
+    /// Returns whether there are no pictures yet.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
@@ -160,13 +163,13 @@ impl CameraFolder {
     }
 }
 
-/// Names of the folders of images, and whether the camera takes them.
+/// Returns the names of the folders of images, and whether the camera takes these images.
 fn images(camera: &RobotCamera) -> [(&'static str, bool); 3] {
     let images = camera.images;
     [("rgb", images.color), ("depth", images.depth), ("labels", images.labels)]
 }
 
-/// Removes the pictures that a recording wrote, and nothing else.
+/// Removes the pictures that a recording has written, and nothing else.
 fn remove_pictures(folder: &Path) -> io::Result<()> {
     for file in fs::read_dir(folder)? {
         let path = file?.path();
@@ -179,7 +182,7 @@ fn remove_pictures(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// The optics, as programs for radiance fields name them, and the unit of depth.
+/// Returns the optics, with the names that programs for radiance fields use, and the unit of depth.
 fn head(frame: &CameraFrame) -> serde_json::Map<String, Value> {
     let optics = frame.optics;
     let (center, focal) = (optics.center(), optics.focal_length);
@@ -197,7 +200,7 @@ fn head(frame: &CameraFrame) -> serde_json::Map<String, Value> {
     }
 }
 
-/// Millimetres, 0 where there is nothing or it is farther than fits.
+/// Converts a depth to millimetres. It is 0 if there is no surface, or if the depth does not fit.
 fn units(depth: f32) -> u16 {
     let units = (f64::from(depth) / DEPTH_UNIT).round();
     if units < f64::from(u16::MAX) { (units as u16).max(1) } else { 0 }
@@ -216,7 +219,7 @@ fn describe(label: u32, names: &Labels) -> Value {
     json!({ "id": short(label), "kind": kind, "name": name })
 }
 
-/// [`OTHER_LABEL`] and above.
+/// Labels from [`OTHER_LABEL`] upwards.
 const OTHER: u32 = OTHER_LABEL as u32;
 
 fn write_png(

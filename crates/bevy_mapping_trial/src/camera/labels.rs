@@ -1,23 +1,24 @@
-//! What the labels of images mean.
+//! The meaning of the labels in images.
 
 use envgen::pieces::Piece;
 use envgen::scenario::Target;
 
-/// What a label means.
+/// The meaning of a label.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label {
-    /// The kind, as in world files: `wall`, `desk`, `tree`, and `leaf`, `person` and `robot` for what moves.
+    /// The kind, as in world files (`wall`, `desk`, `tree`), or `leaf`, `person` or `robot` for moving
+    /// bodies.
     pub kind: String,
-    /// The name, which no other label of the world has: `wall_3`, `doorway_0_lintel`, `person_2`.
+    /// The name, which is unique in the world: `wall_3`, `doorway_0_lintel`, `person_2`.
     pub name: String,
 }
 
-/// The labels of a world and of what moves in it, numbered from 1.
+/// The labels of a world and of the bodies that move in it, numbered from 1.
 #[derive(Clone, Debug, Default)]
 pub struct Labels {
-    /// Of the pieces of the world, in their order.
+    /// The labels of the pieces of the world, in their order.
     pieces: Vec<Label>,
-    /// The number of doors and people of the scenario.
+    /// The number of doors of the scenario.
     doors: u32,
     people: u32,
 }
@@ -29,13 +30,13 @@ impl Labels {
         Labels { pieces, doors: doors as u32, people: people as u32 }
     }
 
-    /// The label of a piece of the world, by its place in [`pieces`](envgen::pieces::pieces), after which the
-    /// [`ceilings`](envgen::pieces::ceilings) come where there are any.
+    /// Returns the label of a piece of the world, by its index in [`pieces`](envgen::pieces::pieces). If
+    /// there are [`ceilings`](envgen::pieces::ceilings), they follow the pieces.
     pub fn of_piece(&self, piece: usize) -> u32 {
         piece as u32 + 1
     }
 
-    /// The label of what moves; parts of the world have one for each of their pieces instead.
+    /// Returns the label of a moving body. Parts of the world have a label for each of their pieces instead.
     pub fn of_moving(&self, target: Target) -> Option<u32> {
         let still = self.pieces.len() as u32;
         match target {
@@ -45,12 +46,12 @@ impl Labels {
         }
     }
 
-    /// The label of a robot of a trial.
+    /// Returns the label of a robot of a trial.
     pub fn of_robot(&self, robot: usize) -> u32 {
         self.pieces.len() as u32 + self.doors + self.people + 1 + robot as u32
     }
 
-    /// What a label means; `None` for 0, which is nothing.
+    /// Returns the meaning of a label, or `None` for 0, which means no surface.
     pub fn get(&self, label: u32) -> Option<Label> {
         let index = label.checked_sub(1)?;
         if let Some(label) = self.pieces.get(index as usize) {

@@ -1,11 +1,13 @@
-//! Cameras on robots: what a robot sees, as colours, depths and labels.
+//! Cameras on robots, which take colour, depth and label images.
 //!
-//! [`RobotCamera`] on a robot makes it see. For colours a [`Camera3d`](bevy::prelude::Camera3d) follows the robot and
-//! draws into an image that the app can show, [`RobotCameraView`]; it draws what the app has in three dimensions, such
-//! as the worlds of [`bevy_envgen`] with its `EnvgenVisuals3dPlugin`. Depths and labels need no plugin for drawing: they
-//! show the bodies of the world ([`envgen::pieces`]) as meshes, with ceilings where `Visuals3dSettings` has them, the
-//! doors and people of its scenario, and the robots of its trial: as the app draws them, else as simple bodies. Each
-//! image that is complete is a [`CameraFrame`], which comes with [`CameraFrameTaken`].
+//! The component [`RobotCamera`] gives a robot a camera. For colour images, a
+//! [`Camera3d`](bevy::prelude::Camera3d) follows the robot and draws into an image that the app can show,
+//! [`RobotCameraView`]. It draws whatever the app has in three dimensions, such as the worlds of
+//! [`bevy_envgen`] with its `EnvgenVisuals3dPlugin`. Depth and label images need no plugin for drawing. They
+//! show the bodies of the world ([`envgen::pieces`]) as meshes, with ceilings if `Visuals3dSettings` has
+//! them, and the doors and people of the scenario and the robots of the trial, either as the app draws them,
+//! or else as simple bodies. When all images are complete, they are reported as a [`CameraFrame`] with the
+//! event [`CameraFrameTaken`].
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -26,16 +28,17 @@
 //!
 //! # How exact depths are
 //!
-//! The graphics card decides which triangle each pixel shows; its depth is where the ray through the middle of the
-//! pixel meets the plane of the triangle, in double precision. Depths are those of
-//! [`BodyRaycaster`](envgen::mesh::BodyRaycaster) but at silhouettes, where drivers round the edges of triangles to
-//! a fraction of a pixel. Surfaces of two bodies at the same place may have the label of either.
+//! The graphics card decides which triangle is visible at each pixel. The depth of the pixel is where the ray
+//! through its centre meets the plane of that triangle, in double precision. Depths are equal to those of
+//! [`BodyRaycaster`](envgen::mesh::BodyRaycaster), except at silhouettes, where drivers round the edges of
+//! triangles to a fraction of a pixel. Where surfaces of two bodies coincide, the label may be that of
+//! either.
 //!
 //! # When
 //!
-//! Pictures are taken at the end of the frames of the app, as many per simulated second as asked for, from the time on
-//! at which the robot's pose is known. They change nothing in the trial. Depths and labels wait for the graphics
-//! card; colours arrive a frame or two later, and the camera for them draws only when a picture is taken.
+//! Pictures are taken at the end of frames of the app, at the requested rate in simulated time, as soon as
+//! the pose of the robot is known. They do not affect the trial. Depth and label images wait for the graphics
+//! card. Colour images arrive a frame or two later, and their camera draws only when a picture is taken.
 
 mod files;
 mod frame;

@@ -1,4 +1,4 @@
-//! What moves around a camera: doors and people of scenarios, and robots.
+//! The moving bodies that cameras see: doors and people of scenarios, and robots.
 
 use std::borrow::Cow;
 
@@ -20,15 +20,15 @@ use super::scene::Triangles;
 use crate::robot::RobotModel;
 use crate::trial::TrialRobot;
 
-/// Bottom of a robot's body above the floor in metres.
+/// The bottom of a robot's body in metres above the floor.
 const CLEARANCE: f64 = 0.05;
 
-/// A robot that may be seen.
+/// The components of a robot that cameras may see.
 type Seen =
     (Entity, &'static TrialRobot, &'static RobotModel, &'static ChildOf, &'static GlobalTransform);
 
-/// The entities that move, and their meshes. Those that the app draws in three dimensions are seen as they are drawn,
-/// others as simple bodies.
+/// The moving entities and their meshes. Entities that the app draws in three dimensions are seen as they are
+/// drawn, and all others as simple bodies.
 #[derive(SystemParam)]
 pub(super) struct Movers<'w, 's> {
     people: Query<'w, 's, &'static Person>,
@@ -40,16 +40,17 @@ pub(super) struct Movers<'w, 's> {
     meshes: Option<Res<'w, Assets<Mesh>>>,
 }
 
-/// A frame for what is seen: from the app's space to positions relative to a scene's origin.
+/// Converts global coordinates of the app to positions relative to the origin of a scene.
 pub(super) struct SceneFrame {
-    /// From the app's space to the world.
+    /// Converts from global coordinates of the app to the frame of the world.
     pub(super) to_world: DAffine3,
-    /// The origin of the scene in the world.
+    /// The origin of the scene in the frame of the world.
     pub(super) origin: DVec3,
 }
 
 impl Movers<'_, '_> {
-    /// All that moves in an environment, with the robot whose camera looks: it may see itself.
+    /// Returns the triangles of everything that moves in an environment. This includes the robot with the
+    /// camera, which may see itself.
     pub(super) fn triangles(
         &self,
         (environment, world, run): (Entity, &envgen::World, Option<&ScenarioRun>),
@@ -84,7 +85,7 @@ impl Movers<'_, '_> {
         all
     }
 
-    /// Adds the leaves and people that are drawn; whether there are any of each.
+    /// Adds the leaves and the people that the app draws, and returns whether there are any of each.
     fn add_drawn_scenario(
         &self,
         run: &ScenarioRun,
@@ -107,7 +108,7 @@ impl Movers<'_, '_> {
         is_drawn
     }
 
-    /// Adds the meshes below an entity; whether there are any.
+    /// Adds the meshes of an entity and its descendants, and returns whether there are any.
     fn add_drawn(&self, root: Entity, label: u32, frame: &SceneFrame, all: &mut Triangles) -> bool {
         let Some(meshes) = &self.meshes else { return false };
         let below = self.children.iter_descendants(root).chain([root]);
@@ -119,7 +120,7 @@ impl Movers<'_, '_> {
             if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
                 continue;
             }
-            // Meshes that only the graphics card holds have neither.
+            // Meshes that only the graphics card holds have neither positions nor indices.
             let positions = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok();
             let (Some(positions), Ok(indices)) =
                 (positions.and_then(|values| values.as_float3()), mesh.try_indices_option())
@@ -144,7 +145,7 @@ impl Movers<'_, '_> {
     }
 }
 
-/// The body of a robot, as a box or a cylinder.
+/// Returns the body of a robot as a box or a cylinder.
 fn body(robot: &Robot, pose: Pose) -> Form<'static> {
     let shape = match robot.footprint {
         Footprint::Box => Shape::Box {
@@ -157,7 +158,7 @@ fn body(robot: &Robot, pose: Pose) -> Form<'static> {
         }
     };
     let bottom = CLEARANCE.min(0.5 * robot.height);
-    // Heights of robots are at least a centimetre.
+    // Heights of robots are at least a centimetre, so there is no error.
     let extent = Extent::new(bottom, robot.height).unwrap_or(WallKind::Wall.extent());
     Form::Prism { shape: Cow::Owned(shape), extent }
 }

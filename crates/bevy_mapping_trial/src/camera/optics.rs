@@ -1,4 +1,4 @@
-//! Where a camera is, and which ray each pixel sees.
+//! The poses of cameras, and the rays of their pixels.
 
 use bevy::math::DMat3;
 use bevy::prelude::*;
@@ -7,66 +7,69 @@ use envgen::glam::{DQuat, DVec2, DVec3};
 
 use super::settings::RobotCamera;
 
-/// What is nearer to a camera is not seen, in metres.
+/// The distance of the near plane of a camera in metres.
 pub(super) const NEAR: f32 = 0.02;
 
-/// A pinhole without distortion. Coordinates of pixels are from the left and from the top edge of the image, so
-/// that the middle of the first pixel is at (0.5, 0.5); programs that count from its middle subtract 0.5 from the
-/// principal point.
+/// A pinhole camera without distortion.
+///
+/// Pixel coordinates are measured from the left and the top edge of the image, so that the centre of the
+/// first pixel is at (0.5, 0.5). Programs that measure from the centre of the first pixel subtract 0.5 from
+/// the principal point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraOptics {
-    /// Pixels from left to right.
+    /// The number of pixels from left to right.
     pub width: u32,
-    /// Pixels from top to bottom.
+    /// The number of pixels from top to bottom.
     pub height: u32,
-    /// Focal length in pixels, the same on both axes.
+    /// The focal length in pixels, which is the same on both axes.
     pub focal_length: f64,
 }
 
 impl CameraOptics {
-    /// The optics of a camera.
+    /// Returns the optics of a camera.
     pub fn new(camera: &RobotCamera) -> Self {
         let half = 0.5 * camera.field_of_view.to_radians();
         let focal_length = 0.5 * f64::from(camera.width) / libm::tan(half);
         CameraOptics { width: camera.width, height: camera.height, focal_length }
     }
 
-    /// The principal point in pixels: the middle of the image.
+    /// Returns the principal point in pixels, which is the centre of the image.
     pub fn center(&self) -> DVec2 {
         0.5 * DVec2::new(self.width.into(), self.height.into())
     }
 
-    /// Vertical field of view in radians.
+    /// Returns the vertical field of view in radians.
     pub fn vertical_field_of_view(&self) -> f64 {
         2.0 * libm::atan2(0.5 * f64::from(self.height), self.focal_length)
     }
 
-    /// The ray through the middle of a pixel, in the camera's own axes (right, up, back), of length 1 along the
-    /// optical axis.
+    /// Returns the ray through the centre of a pixel, in the axes of the camera (right, up, back). Its
+    /// component along the optical axis has a length of 1.
     pub fn ray(&self, column: u32, row: u32) -> DVec3 {
         let pixel = DVec2::new(column.into(), row.into()) + 0.5 - self.center();
         DVec3::new(pixel.x / self.focal_length, -pixel.y / self.focal_length, -1.0)
     }
 
-    /// The projection of Bevy's cameras: depth 1 at [`NEAR`], 0 at infinity.
+    /// Returns the projection matrix that Bevy's cameras use, with a depth of 1 at [`NEAR`] and 0 at
+    /// infinity.
     pub(super) fn projection(&self) -> Mat4 {
         let aspect = self.width as f32 / self.height as f32;
         Mat4::perspective_infinite_reverse_rh(self.vertical_field_of_view() as f32, aspect, NEAR)
     }
 }
 
-/// The pose of a camera in the frame of its world: x and y on the plan, z up, in metres.
+/// The pose of a camera in the frame of its world, in metres, with x and y horizontal and z up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraPose {
-    /// The pinhole.
+    /// The position of the pinhole.
     pub position: DVec3,
-    /// The camera's axes as columns: to the right, up in the image, and back along the optical axis, as in
+    /// The axes of the camera as columns: right, up in the image, and backwards along the optical axis, as in
     /// `OpenGL` and in files of radiance fields (`NeRF`).
     pub axes: DMat3,
 }
 
 impl CameraPose {
-    /// The pose of a robot's camera.
+    /// Returns the pose of the camera of a robot.
     pub fn new(robot: Pose, camera: &RobotCamera) -> Self {
         let position = robot.to_world(DVec2::new(camera.forward, camera.left));
         let (sin_yaw, cos_yaw) = libm::sincos(robot.heading + camera.yaw.to_radians());
@@ -77,19 +80,19 @@ impl CameraPose {
         CameraPose { position: position.extend(camera.up), axes }
     }
 
-    /// The rotation from the camera's axes to those of the world.
+    /// Returns the rotation from the axes of the camera to the axes of the world.
     pub fn orientation(&self) -> DQuat {
         DQuat::from_mat3(&self.axes)
     }
 
-    /// The transform of a camera of Bevy in the robot's frame.
+    /// Returns the transform of a Bevy camera in the frame of the robot.
     pub(super) fn on_robot(camera: &RobotCamera) -> Transform {
         let pose = CameraPose::new(Pose::new(0.0, 0.0, 0.0), camera);
         Transform::from_translation(pose.position.as_vec3())
             .with_rotation(pose.orientation().as_quat())
     }
 
-    /// From points relative to `origin` to the camera's axes.
+    /// Returns the matrix that converts points relative to `origin` to the axes of the camera.
     pub(super) fn view_from(&self, origin: DVec3) -> Mat4 {
         let at = (self.position - origin).as_vec3();
         Mat4::from_rotation_translation(self.orientation().as_quat(), at).inverse()

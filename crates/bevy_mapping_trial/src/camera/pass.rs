@@ -1,7 +1,7 @@
-//! Which triangle each pixel shows, drawn by the graphics card.
+//! Determines with the graphics card which triangle is visible at each pixel.
 //!
-//! The card only decides what is seen: depth is computed from the triangle and the pixel's ray in double precision,
-//! so that it does not depend on how drivers interpolate.
+//! The graphics card only decides which triangle is visible. The depth is computed from the triangle and the
+//! ray of the pixel in double precision, so that it does not depend on how drivers interpolate.
 
 use std::borrow::Cow;
 use std::sync::mpsc;
@@ -26,7 +26,8 @@ use super::optics::{CameraOptics, CameraPose};
 use super::scene::{Scene, Triangles};
 use super::settings::CameraError;
 
-/// Numbers of triangles, from 1: the vertex' place in its buffer, after as many triangles as the instance says.
+/// A shader that draws the number of each triangle, counted from 1: the index of the triangle in the vertex
+/// buffer, plus an offset that is passed as the instance index.
 const SHADER: &str = "
 @group(0) @binding(0) var<uniform> clip_from_scene: mat4x4<f32>;
 
@@ -50,13 +51,13 @@ fn number(corner: Corner) -> @location(0) u32 {
 }
 ";
 
-/// Bytes of a position.
+/// The size of a position in bytes.
 const POSITION: u64 = 12;
 
-/// Rows of copied images begin at multiples of this many bytes.
+/// The alignment in bytes of the rows of copied images.
 const ROW: u32 = 256;
 
-/// Draws the numbers of triangles.
+/// A render pass that draws the numbers of triangles.
 pub(super) struct NumberPass {
     device: RenderDevice,
     queue: RenderQueue,
@@ -66,7 +67,7 @@ pub(super) struct NumberPass {
     target: Option<Target>,
 }
 
-/// Images of one size.
+/// The images and the buffer for pictures of one size.
 struct Target {
     size: UVec2,
     numbers: Texture,
@@ -161,7 +162,7 @@ impl NumberPass {
         }
     }
 
-    /// Loads the triangles of a scene.
+    /// Uploads the triangles of a scene.
     pub(super) fn load(&self, scene: &Scene) -> SceneBuffer {
         SceneBuffer(self.upload(&scene.triangles))
     }
@@ -174,8 +175,8 @@ impl NumberPass {
         })
     }
 
-    /// Draws a scene and what moves in it; returns the number of the triangle at each pixel, 0 where nothing is.
-    /// Waits for the graphics card.
+    /// Draws a scene and the moving bodies in it. Returns the number of the triangle at each pixel, or 0 if
+    /// there is no surface. Waits for the graphics card.
     pub(super) fn draw(
         &mut self,
         (scene, still): (&Scene, &SceneBuffer),
@@ -273,13 +274,13 @@ impl Target {
         Target { size, numbers, depth, copy }
     }
 
-    /// The copied numbers, row by row.
+    /// Returns the copied numbers, row by row.
     fn read(&self, device: &RenderDevice) -> Result<Vec<u32>, CameraError> {
         let failed = |reason: String| CameraError::Driver(reason);
         let (sender, receiver) = mpsc::channel();
         let slice = self.copy.slice(..);
         slice.map_async(MapMode::Read, move |mapped| {
-            // Nobody waits for it any more where this fails.
+            // If this fails, nothing is waiting for the result any more.
             let _ = sender.send(mapped);
         });
         device
@@ -301,12 +302,12 @@ fn extent(size: UVec2) -> Extent3d {
     Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 }
 }
 
-/// Bytes of a row of a copied image of this width, with those that fill it up.
+/// Returns the number of bytes of a row of a copied image of a given width, including its padding.
 fn bytes_per_row(width: u32) -> u32 {
     (4 * width).next_multiple_of(ROW)
 }
 
-/// Positions in single precision.
+/// Returns positions in single precision as bytes.
 fn bytes(triangles: &[[DVec3; 3]]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(36 * triangles.len());
     for corner in triangles.iter().flatten() {

@@ -1,4 +1,4 @@
-//! The plugin of cameras, and when pictures are taken.
+//! The plugin of cameras, and the schedule in which they take pictures.
 
 use bevy::app::PostUpdate;
 use bevy::camera::CameraUpdateSystems;
@@ -10,11 +10,11 @@ use bevy::transform::TransformSystems;
 use super::settings::RobotCamera;
 use super::shutter::{self, RobotCameraView};
 
-/// Lets robots with a [`RobotCamera`] see.
+/// Takes pictures with the cameras of robots that have a [`RobotCamera`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RobotCameraPlugin;
 
-/// When pictures are taken, in [`PostUpdate`], after transforms and cameras are updated.
+/// The system set that takes pictures, in [`PostUpdate`], after transforms and cameras are updated.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct RobotCameraSystems;
 
@@ -34,7 +34,7 @@ impl Plugin for RobotCameraPlugin {
                     .in_set(RobotCameraSystems)
                     .after(TransformSystems::Propagate)
                     .after(CameraUpdateSystems)
-                    // They leave cameras out that are not active, which drawing does not expect.
+                    // These systems skip cameras that are inactive, which drawing does not expect.
                     .before(SimulationLightSystems::UpdateDirectionalLightCascades)
                     .before(VisibilitySystems::UpdateFrusta)
                     .before(VisibilitySystems::CheckVisibility),

@@ -1,4 +1,4 @@
-//! Trials whose robots have cameras, in an app without a window.
+//! Runs trials whose robots have cameras, in an app without a window.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -23,26 +23,27 @@ use super::shutter::{CameraFailed, CameraFrameTaken, Exposure};
 use crate::trial::{HeadlessError, MappingTrial, RapierRobots, TrialRobot, drive, set_up};
 use crate::view3d::RobotVisuals3dPlugin;
 
-/// What to record of a trial, and where.
+/// What to record of a trial, and in which folder.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraRecording {
     /// The camera of each robot.
     pub camera: RobotCamera,
-    /// The folder for the pictures; of several robots each has a folder `robot_1`, `robot_2` and so on in it.
+    /// The folder of the pictures. If there are several robots, each has its own folder `robot_1`, `robot_2`
+    /// and so on in it.
     pub folder: PathBuf,
 }
 
-/// Why a trial cannot be recorded.
+/// An error that prevents the recording of a trial.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// The trial cannot be run.
+    /// The trial cannot run.
     #[error(transparent)]
     Trial(#[from] HeadlessError),
-    /// The camera takes no pictures.
+    /// The camera cannot take pictures.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// The machine cannot draw, or a film cannot be written.
+    /// The machine cannot draw, or the film cannot be written.
     #[error(transparent)]
     Drawing(#[from] CaptureError),
     /// A file cannot be written.
@@ -55,7 +56,7 @@ pub enum RecordingError {
     },
 }
 
-/// A trial to be run with cameras.
+/// A trial that is run with cameras.
 ///
 /// ```no_run
 /// use bevy_mapping_trial::camera::{CameraRecording, CameraTrial, RobotCamera};
@@ -79,7 +80,7 @@ pub struct CameraTrial<'a> {
 }
 
 impl<'a> CameraTrial<'a> {
-    /// A trial as that of [`run_headless_with`](crate::trial::run_headless_with).
+    /// Creates a trial like that of [`run_headless_with`](crate::trial::run_headless_with).
     pub fn new(
         world: &'a envgen::World,
         settings: TrialSettings,
@@ -91,18 +92,19 @@ impl<'a> CameraTrial<'a> {
         CameraTrial { world, robots, trial, scenario }
     }
 
-    /// The replay of a log as that of [`replay_headless_with`](crate::trial::replay_headless_with).
+    /// Creates the replay of a log like that of [`replay_headless_with`](crate::trial::replay_headless_with).
     pub fn replay(world: &'a envgen::World, log: TrialLog, parts: TrialParts) -> Self {
         let (robots, scenario) = (log.settings.robots, log.scenario.clone());
         let trial = MappingTrial::replay(log).with_parts(parts);
         CameraTrial { world, robots, trial, scenario }
     }
 
-    /// Runs the trial, and writes what the robots see into folders. The trial is the same as without cameras, to the
-    /// last bit. Also returns the descriptions of the pictures.
+    /// Runs the trial, and writes what the robots see into folders. The trial is the same as without cameras,
+    /// to the last bit. Returns the trial and the paths of the descriptions of the pictures.
     ///
     /// # Errors
-    /// As [`CameraTrial::watch`], and files that cannot be written. The pictures until then are kept.
+    /// Returns the errors of [`CameraTrial::watch`], and an error if a file cannot be written. The pictures
+    /// that were written before are kept.
     pub fn record(
         self,
         recording: &CameraRecording,
@@ -114,7 +116,8 @@ impl<'a> CameraTrial<'a> {
             0 | 1 => vec![folder.clone()],
             robots => (1..=robots).map(|robot| folder.join(format!("robot_{robot}"))).collect(),
         };
-        // Begun with their first pictures: a trial that cannot begin leaves an earlier recording.
+        // Folders are created with the first picture, so that a trial that cannot begin does not remove an
+        // earlier recording.
         let mut folders: Vec<Option<CameraFolder>> = paths.iter().map(|_| None).collect();
         let begin = |path: &PathBuf| {
             CameraFolder::create(path, recording.camera).map_err(|error| of_file(path, error))
@@ -142,11 +145,12 @@ impl<'a> CameraTrial<'a> {
         Ok((trial?, files))
     }
 
-    /// Runs the trial, and writes what the first robot sees as an animated GIF of `frames_per_second`, from 1 to 50: the
-    /// film is as fast as the trial where that is the camera's rate.
+    /// Runs the trial, and writes what the first robot sees as an animated GIF with `frames_per_second` from
+    /// 1 to 50. If this is equal to the rate of the camera, the film runs in simulated real time.
     ///
     /// # Errors
-    /// As [`CameraTrial::watch`]; a frame rate that is out of range, and a file that cannot be written.
+    /// Returns the errors of [`CameraTrial::watch`], and an error if the frame rate is out of range, or if
+    /// the file cannot be written.
     pub fn film(
         self,
         camera: RobotCamera,
@@ -167,14 +171,14 @@ impl<'a> CameraTrial<'a> {
         Ok(trial)
     }
 
-    /// Runs the trial with this camera on each robot, drawn with ceilings. `see` gets the number of the robot, from 0,
-    /// and each picture in order; an error of it ends the trial. `progress` is called from time to time with the
-    /// simulated seconds so far.
+    /// Runs the trial with this camera on each robot, drawn with ceilings. `see` is called with the number of
+    /// the robot, counted from 0, and each picture in order; an error of it ends the trial. `progress` is
+    /// called from time to time with the simulated seconds so far.
     ///
     /// # Errors
-    /// As [`run_headless_with`](crate::trial::run_headless_with) or
-    /// [`replay_headless_with`](crate::trial::replay_headless_with); a camera that is out of range, a machine that
-    /// cannot draw; the error of `see`.
+    /// Returns the errors of [`run_headless_with`](crate::trial::run_headless_with) or
+    /// [`replay_headless_with`](crate::trial::replay_headless_with), the error of `see`, and an error if a
+    /// setting of the camera is out of range, or if the machine cannot draw.
     pub fn watch(
         self,
         camera: RobotCamera,
@@ -199,7 +203,7 @@ impl<'a> CameraTrial<'a> {
         };
         let CameraTrial { world, trial, scenario, .. } = self;
         let trial = drive(&mut app, world.clone(), trial, scenario, progress, &mut ticked);
-        // The last colours arrive after the trial.
+        // The last colour images arrive after the end of the trial.
         let mut exposures = app.world_mut().query::<&Exposure>();
         while exposures.iter(app.world()).next().is_some() {
             app.update();
@@ -212,10 +216,10 @@ impl<'a> CameraTrial<'a> {
     }
 }
 
-/// The pictures since the last tick, each with the number of its robot.
+/// A resource with the pictures since the last tick, each with the number of its robot.
 #[derive(Resource, Default)]
 struct Taken {
-    /// Numbers of robots, also of those that are gone when their last picture arrives.
+    /// The numbers of robots, including robots that no longer exist when their last picture arrives.
     robots: EntityHashMap<usize>,
     frames: Vec<(usize, Arc<CameraFrame>)>,
     failure: Option<CameraError>,
@@ -225,7 +229,7 @@ fn of_file(path: &Path, source: io::Error) -> RecordingError {
     RecordingError::File { path: path.to_owned(), source }
 }
 
-/// Colours as an image of Bevy.
+/// Converts colours to an image of Bevy.
 fn image(color: &[u8], optics: CameraOptics) -> Image {
     let pixels = color.as_chunks::<3>().0.iter();
     let size = Extent3d { width: optics.width, height: optics.height, depth_or_array_layers: 1 };
@@ -238,10 +242,10 @@ fn image(color: &[u8], optics: CameraOptics) -> Image {
     )
 }
 
-/// An app that draws, in which an update is a tick, and robots of trials have cameras.
+/// Creates an app that draws, in which each update is a tick, and in which the robots of trials have cameras.
 fn app(camera: RobotCamera) -> Result<App, CaptureError> {
     let mut app = std::mem::replace(Studio::new()?.app(), App::empty());
-    // Robots are inside.
+    // The robots are indoors.
     let visuals = Visuals3dSettings { ceilings: true, ..default() };
     if camera.images.color {
         app.add_plugins((EnvgenVisuals3dPlugin::new(visuals), RobotVisuals3dPlugin));

@@ -1,4 +1,4 @@
-//! The triangles that a camera sees.
+//! The triangles of the scenes that cameras see.
 
 use std::collections::BTreeMap;
 
@@ -12,13 +12,13 @@ use super::labels::Labels;
 use super::optics::{CameraOptics, CameraPose};
 use super::settings::CameraError;
 
-/// The most triangles of a world: about 120 bytes each.
+/// The largest number of triangles of a world. Each takes about 120 bytes.
 pub const MAX_TRIANGLES: usize = 4_000_000;
 
-/// Side of a tile in metres: what is in tiles out of view is not drawn.
+/// The side of a tile in metres. Triangles in tiles that are out of view are not drawn.
 const TILE: f64 = 16.0;
 
-/// Triangles with labels, relative to a point of the world.
+/// Triangles with their labels, relative to a point of the world.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Triangles {
     pub(super) corners: Vec<[DVec3; 3]>,
@@ -33,15 +33,16 @@ impl Triangles {
         self.labels.resize(self.corners.len(), label);
     }
 
-    /// Adds what moves.
+    /// Adds the mesh of a moving body.
     pub(super) fn add_form(&mut self, form: &Form<'_>, origin: DVec3, label: u32) {
         if let Some(mesh) = mesh::Mesh::of_form(form) {
             self.add(&mesh, origin, label);
         }
     }
 
-    /// Depth and label of a pixel that shows a triangle: where its ray from `eye` meets the triangle's plane, within
-    /// the depths of its corners, since drivers round their edges.
+    /// Returns the depth of a pixel that shows a triangle. It is where the ray of the pixel from `eye` meets
+    /// the plane of the triangle, clamped to the depths of the corners, since drivers round the edges of
+    /// triangles.
     pub(super) fn depth(&self, triangle: usize, eye: DVec3, forward: DVec3, ray: DVec3) -> f64 {
         let corners = self.corners[triangle];
         let [a, b, c] = corners;
@@ -54,7 +55,7 @@ impl Triangles {
     }
 }
 
-/// Triangles that are drawn or left out together.
+/// Triangles that are drawn or skipped together.
 #[derive(Clone, Debug)]
 pub(super) struct SceneTile {
     pub(super) triangles: std::ops::Range<u32>,
@@ -62,10 +63,10 @@ pub(super) struct SceneTile {
     max: Vec3,
 }
 
-/// Everything of a world that does not move.
+/// The parts of a world that do not move.
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
-    /// What all positions are relative to, so that single precision resolves them.
+    /// The origin of all positions, chosen so that single precision resolves them.
     pub(super) origin: DVec3,
     pub(super) triangles: Triangles,
     pub(super) tiles: Vec<SceneTile>,
@@ -128,7 +129,7 @@ impl Scene {
         Ok(Scene { origin, triangles: all, tiles: ranges, labels })
     }
 
-    /// The runs of triangles that are partly in view.
+    /// Returns the ranges of the triangles of the tiles that may be in view.
     pub(super) fn in_view(&self, view: Mat4, optics: &CameraOptics) -> Vec<std::ops::Range<u32>> {
         let slopes = Vec2::new(optics.width as f32, optics.height as f32)
             / (2.0 * optics.focal_length as f32);
@@ -142,8 +143,8 @@ impl Scene {
         runs
     }
 
-    /// Depths and labels of the pixels, from the numbers of their triangles: 0 where nothing is, and those of
-    /// `moving` after those of the world.
+    /// Returns the depths and the labels of the pixels, from the numbers of their triangles: 0 if there is no
+    /// surface, and the numbers of `moving` after those of the world.
     pub(super) fn resolve(
         &self,
         moving: &Triangles,
@@ -174,7 +175,8 @@ impl Scene {
 }
 
 impl SceneTile {
-    /// Whether the box around it is partly between the planes at the sides of the image and in front of the camera.
+    /// Returns whether the bounding box of the tile is partly between the planes at the sides of the image,
+    /// and in front of the camera.
     fn is_in_view(&self, view: Mat4, slopes: Vec2) -> bool {
         let corners = (0..8).map(|i| {
             let pick = |bit: u32, min: f32, max: f32| if i & bit == 0 { min } else { max };

@@ -1,30 +1,31 @@
-//! The camera of a robot, as users set it up.
+//! The settings of the camera of a robot.
 
 use bevy::prelude::*;
 use mapping_trial::robot::Robot;
 use thiserror::Error;
 
-/// The most pixels along a side of a picture.
+/// The largest number of pixels along a side of a picture.
 pub const MAX_PIXELS: u32 = 4096;
 
-/// How far [`RobotCamera::on`] puts a camera behind the front of a robot, and above its top, in metres.
+/// The distances in metres at which [`RobotCamera::on`] places a camera behind the front of a robot and above
+/// its top.
 const BEHIND_FRONT: f64 = 0.05;
 const ABOVE_TOP: f64 = 0.08;
 
-/// The widest and the narrowest horizontal field of view in degrees.
+/// The allowed horizontal fields of view in degrees.
 const FIELDS_OF_VIEW: std::ops::RangeInclusive<f64> = 1.0..=170.0;
 
-/// The most metres from a robot's centre to its camera, on each axis.
+/// The largest distance in metres between the centre of a robot and its camera, on each axis.
 const MAX_OFFSET: f64 = 10.0;
 
-/// The most and the fewest pictures per simulated second.
+/// The allowed numbers of pictures per simulated second.
 const RATES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 
-/// A camera on a robot: put it on an entity with a [`RobotModel`](crate::robot::RobotModel). To change it, insert
-/// another.
+/// A component that gives a robot a camera. Add it to an entity with a
+/// [`RobotModel`](crate::robot::RobotModel). To change it, insert another.
 ///
-/// Lengths are in metres and angles in degrees. The defaults are a small camera on the front of a Pioneer 3-AT,
-/// looking ahead.
+/// Lengths are in metres and angles in degrees. The default is a small camera on the front of a Pioneer 3-AT
+/// that looks ahead.
 ///
 /// ```
 /// use bevy_mapping_trial::camera::RobotCamera;
@@ -43,25 +44,26 @@ const RATES: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", serde(default, deny_unknown_fields))]
 pub struct RobotCamera {
-    /// Ahead of the robot's centre, from -10 to 10 m.
+    /// The distance in front of the robot's centre, from -10 to 10 m.
     pub forward: f64,
-    /// Left of the robot's centre, from -10 to 10 m.
+    /// The distance to the left of the robot's centre, from -10 to 10 m.
     pub left: f64,
-    /// Above the floor, from -10 to 10 m.
+    /// The height above the floor, from -10 to 10 m.
     pub up: f64,
-    /// Tilt of the optical axis, positive upwards, from -90 to 90 degrees.
+    /// The tilt of the optical axis, positive upwards, from -90 to 90 degrees.
     pub pitch: f64,
-    /// Turn of the optical axis to the left of the robot's heading, from -180 to 180 degrees.
+    /// The rotation of the optical axis to the left of the robot's heading, from -180 to 180 degrees.
     pub yaw: f64,
-    /// Horizontal field of view, from 1 to 170 degrees; pixels are square.
+    /// The horizontal field of view, from 1 to 170 degrees. Pixels are square.
     pub field_of_view: f64,
-    /// Pixels from left to right, from 1 to [`MAX_PIXELS`].
+    /// The number of pixels from left to right, from 1 to [`MAX_PIXELS`].
     pub width: u32,
-    /// Pixels from top to bottom, from 1 to [`MAX_PIXELS`].
+    /// The number of pixels from top to bottom, from 1 to [`MAX_PIXELS`].
     pub height: u32,
-    /// Pictures per simulated second, from 0.001 to 1000; there is at most one for each frame of the app.
+    /// The number of pictures per simulated second, from 0.001 to 1000. At most one picture is taken in each
+    /// frame of the app.
     pub rate: f64,
-    /// What is taken.
+    /// The images that are taken.
     pub images: CameraImages,
 }
 
@@ -83,7 +85,7 @@ impl Default for RobotCamera {
 }
 
 impl RobotCamera {
-    /// The default camera at the front of a robot, above its body and its laser.
+    /// Returns the default camera, placed at the front of a robot, above its body and its laser.
     ///
     /// ```
     /// use bevy_mapping_trial::camera::RobotCamera;
@@ -101,17 +103,17 @@ impl RobotCamera {
     }
 }
 
-/// The images of a camera.
+/// The images that a camera takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Default, Debug, PartialEq, Clone)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", serde(default, deny_unknown_fields))]
 pub struct CameraImages {
-    /// What a [`Camera3d`] draws.
+    /// Whether it takes colour images, which a [`Camera3d`] draws.
     pub color: bool,
-    /// The distance of each pixel along the optical axis.
+    /// Whether it takes depth images, with the distance of each pixel along the optical axis.
     pub depth: bool,
-    /// What is at each pixel.
+    /// Whether it takes label images, with the label of the surface at each pixel.
     pub labels: bool,
 }
 
@@ -121,16 +123,16 @@ impl Default for CameraImages {
     }
 }
 
-/// Why a camera takes no picture.
+/// An error that prevents the pictures of a camera.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CameraError {
     /// A field of [`RobotCamera`] is out of range.
     #[error("`{field}` of a camera must be {allowed}, got {value}")]
     Setting {
-        /// The field.
+        /// The name of the field.
         field: &'static str,
-        /// Its value.
+        /// The value of the field.
         value: f64,
         /// The allowed values.
         allowed: String,
@@ -148,12 +150,12 @@ pub enum CameraError {
     /// The world is endless.
     #[error("a camera sees finite worlds alone, not endless ones")]
     Endless,
-    /// The world has more bodies than fit.
+    /// The world has too many triangles.
     #[error("the world has {found} triangles, but a camera can see at most {limit}")]
     TooManyTriangles {
-        /// Triangles of the world.
+        /// The number of triangles of the world.
         found: usize,
-        /// The most.
+        /// The largest allowed number.
         limit: usize,
     },
     /// The driver failed.
@@ -165,7 +167,7 @@ impl RobotCamera {
     /// Checks all fields.
     ///
     /// # Errors
-    /// Names the first field that is out of range, its value and what is allowed.
+    /// Returns an error with the first field that is out of range, its value and the allowed values.
     pub fn check(&self) -> Result<(), CameraError> {
         let lengths = [("forward", self.forward), ("left", self.left), ("up", self.up)];
         let offsets = -MAX_OFFSET..=MAX_OFFSET;

@@ -1,4 +1,4 @@
-//! When pictures are taken, and the cameras of Bevy for colours.
+//! Takes the pictures that are due, with Bevy's cameras for colour images.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,13 +24,13 @@ use super::settings::{CameraError, RobotCamera};
 use crate::robot::{TruePose, Wheels};
 use crate::trial::{MappingTrial, in_world};
 
-/// A picture that is this little early is on time, as a share of the time between two.
+/// How early a picture may be to count as due, as a fraction of the time between two pictures.
 const ROUNDING: f64 = 1e-6;
 
-/// Colours that have not arrived after this many frames are lost.
+/// The number of frames after which colours that have not arrived are lost.
 const MOST_FRAMES: u32 = 100;
 
-/// Triggered on a robot when its camera has taken a picture.
+/// An event that is triggered on a robot when its camera has taken a picture.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct CameraFrameTaken {
     /// The robot.
@@ -39,40 +39,44 @@ pub struct CameraFrameTaken {
     pub frame: Arc<CameraFrame>,
 }
 
-/// Triggered on a robot when its camera cannot take pictures, once until the [`RobotCamera`] is inserted again.
+/// An event that is triggered on a robot when its camera cannot take pictures. It is not triggered again
+/// until another [`RobotCamera`] is inserted.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct CameraFailed {
     /// The robot.
     pub entity: Entity,
-    /// Why.
+    /// The error.
     pub error: CameraError,
 }
 
-/// What draws the colours of a [`RobotCamera`], on the same entity. Scenes and clones do not hold it: they get another.
+/// A component with the camera that draws the colours of a [`RobotCamera`], on the same entity. Scenes and
+/// clones do not hold it, since they get a camera of their own.
 #[derive(Component, Clone, Debug, Reflect)]
 #[component(clone_behavior = Ignore)]
 #[reflect(from_reflect = false)]
 #[reflect(Component, Debug)]
 pub struct RobotCameraView {
-    /// The last picture, for panels and sprites.
+    /// The image with the last picture, for panels and sprites.
     pub image: Handle<Image>,
-    /// The [`Camera3d`], a child of the robot. It is active only while it takes a picture.
+    /// The entity with the [`Camera3d`], a child of the robot. The camera is active only while it takes a
+    /// picture.
     pub camera: Entity,
 }
 
-/// On the camera of a [`RobotCameraView`]. Scenes and clones have it, so that their cameras are found.
+/// A marker component of the camera of a [`RobotCameraView`]. Scenes and clones hold it, so that their
+/// cameras can be found.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub(super) struct Eye;
 
-/// Whether the camera of a robot took the picture of a time.
+/// A component that records which of the pictures that are due have been taken.
 #[derive(Component, Default)]
 pub(super) struct Shutter {
     last: Option<u64>,
     taken: u64,
 }
 
-/// A picture whose colours have not arrived.
+/// A component with a picture whose colours have not arrived yet.
 #[derive(Component)]
 pub(super) struct Exposure {
     robot: Entity,
@@ -80,14 +84,14 @@ pub(super) struct Exposure {
     age: u32,
 }
 
-/// The worlds that cameras have seen, and what draws them.
+/// A resource with the worlds that cameras have seen, and the render pass that draws them.
 #[derive(Resource, Default)]
 pub(super) struct Scenes {
     pass: Option<NumberPass>,
     known: BTreeMap<Entity, KnownScene>,
 }
 
-/// A world, on the graphics card.
+/// A world on the graphics card.
 struct KnownScene {
     world: Arc<envgen::World>,
     movers: [usize; 2],
@@ -97,7 +101,7 @@ struct KnownScene {
     buffer: SceneBuffer,
 }
 
-/// Adds what a camera needs.
+/// Adds the components that a camera needs.
 pub(super) fn fit(
     added: On<Insert, RobotCamera>,
     cameras: Query<&RobotCamera>,
@@ -145,7 +149,7 @@ pub(super) fn fit(
     commands.entity(robot).insert((view, Shutter::default()));
 }
 
-/// Removes what a camera needed.
+/// Removes the components that a camera needed.
 pub(super) fn remove(
     gone: On<Discard, RobotCamera>,
     views: Query<&RobotCameraView>,
@@ -161,7 +165,7 @@ pub(super) fn remove(
     }
 }
 
-/// Despawns the cameras that came out of a scene, or as clones, together with their robot.
+/// Despawns the cameras that were spawned from a scene, or cloned, together with their robot.
 pub(super) fn remove_clones(
     added: Query<(Entity, &ChildOf), Added<Eye>>,
     views: Query<&RobotCameraView>,
@@ -174,7 +178,7 @@ pub(super) fn remove_clones(
     }
 }
 
-/// A robot with a camera.
+/// The components of a robot with a camera.
 type Seeing = (
     Entity,
     &'static RobotCamera,
@@ -185,7 +189,7 @@ type Seeing = (
     Option<&'static RobotCameraView>,
 );
 
-/// The world around robots.
+/// The components of the world around robots.
 type Surroundings = (
     Entity,
     &'static Environment,
@@ -197,7 +201,7 @@ type Surroundings = (
     Option<&'static MappingTrial>,
 );
 
-/// Everything around robots that a picture is made of.
+/// The system parameters with everything around robots that a picture is made of.
 #[derive(SystemParam)]
 pub(super) struct Site<'w, 's> {
     environments: Query<'w, 's, Surroundings>,
@@ -219,7 +223,7 @@ pub(super) fn shoot(
     let Site { environments, scenes, .. } = &mut site;
     scenes.known.retain(|&environment, _| environments.contains(environment));
     for (robot, camera, mut shutter, pose, wheels, parent, view) in &mut robots {
-        // Its pose is not known before its first step.
+        // The pose of a robot is not known before its first step.
         if !wheels.is_placed() {
             continue;
         }
@@ -247,7 +251,7 @@ pub(super) fn shoot(
 }
 
 impl Site<'_, '_> {
-    /// The picture of a camera but for its colours; `None` where none is due.
+    /// Returns the picture of a camera without its colours, or `None` if no picture is due.
     fn take(
         &mut self,
         robot: Entity,
@@ -264,9 +268,10 @@ impl Site<'_, '_> {
             return Err(CameraError::Endless);
         }
         let origin = origin.map_or(environment.origin, |origin| origin.0);
-        // A world that is not ready is waited for.
+        // Waits for a world that is not ready.
         let Some(truth) = truth else { return Ok(None) };
-        // That of its trial: one that is over has no time for other robots.
+        // The time is that of the robot's own trial. The time of a trial that has ended does not apply to
+        // other robots.
         let own = trial.filter(|trial| trial.robots().contains(&robot));
         let time = own.and_then(MappingTrial::trial).map(|trial| trial.time());
         let time = time.unwrap_or(self.fixed.elapsed_secs_f64());
@@ -288,7 +293,7 @@ impl Site<'_, '_> {
             labels: None,
             names: Arc::default(),
         };
-        // Colours are those of the app's own meshes.
+        // Colour images show the app's own meshes.
         if camera.images.depth || camera.images.labels {
             let Scenes { pass, known } = &mut *self.scenes;
             let pass = pass.get_or_insert_with(|| NumberPass::new(device, queue));
@@ -314,7 +319,7 @@ impl Site<'_, '_> {
 }
 
 impl KnownScene {
-    /// The scene of an environment, made if its world or scenario is another.
+    /// Returns the scene of an environment, which is built if the world or the scenario has changed.
     fn of<'a>(
         known: &'a mut BTreeMap<Entity, KnownScene>,
         (environment, truth): (Entity, &GroundTruth),
@@ -339,7 +344,8 @@ impl KnownScene {
     }
 }
 
-/// Stops cameras whose picture was drawn in the last frame, and gives up those that do not arrive.
+/// Deactivates cameras whose picture was drawn in the last frame, and gives up on pictures that do not
+/// arrive.
 pub(super) fn close(
     mut exposures: Query<(Entity, &mut Exposure, Has<Readback>)>,
     views: Query<&RobotCameraView>,
@@ -373,7 +379,7 @@ pub(super) fn develop(
     let Ok(mut exposure) = exposures.get_mut(read.entity) else { return };
     let Exposure { robot, ref mut frame, .. } = *exposure;
     let CameraOptics { width, height, .. } = frame.optics;
-    // Rows of copied images are filled up.
+    // The rows of copied images are padded.
     let row = read.data.len() / height as usize;
     let pixels = read
         .data

@@ -1,4 +1,4 @@
-//! From commands to wheel speeds, and from wheel speeds to forces on bodies.
+//! Converts commands to wheel speeds, and wheel speeds to forces on bodies.
 
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{DefaultRapierContext, RapierRigidBodySet, RigidBody, Velocity};
@@ -9,10 +9,10 @@ use mapping_trial::robot::Footprint;
 use super::ground::Terrain;
 use super::model::{Battery, Chassis, DriveCommand, Fitted, RobotCondition, RobotModel, Wheels};
 
-/// Acceleration of gravity in m/s^2.
+/// The acceleration of gravity in m/s^2.
 const G: f64 = 9.81;
 
-/// The components of a robot that drives.
+/// The components of a driving robot.
 type Driven = (
     Entity,
     &'static RobotModel,
@@ -25,10 +25,10 @@ type Driven = (
     &'static mut RigidBody,
 );
 
-/// Lets wheels follow their commands and the ground push the bodies.
+/// Updates wheel speeds from commands, and pushes the bodies by the forces between wheels and ground.
 pub(super) fn drive(
     time: Res<Time>,
-    // A model that is not allowed is not fitted.
+    // A robot with an invalid model has no `Fitted`.
     mut robots: Query<Driven, With<Fitted>>,
     bodies: Query<&RapierRigidBodySet, With<DefaultRapierContext>>,
     terrain: Terrain,
@@ -41,7 +41,7 @@ pub(super) fn drive(
     for (entity, model, command, chassis, condition, battery, mut wheels, mut velocity, mut kind) in
         &mut robots
     {
-        // A drowned robot is not even pushed.
+        // A robot in water is not even pushed by other bodies.
         if *condition == RobotCondition::Drowned {
             kind.set_if_neq(RigidBody::Fixed);
             if !wheels.drowned {
@@ -49,7 +49,7 @@ pub(super) fn drive(
             }
             continue;
         }
-        // It was taken out of the water.
+        // The robot was moved out of the water.
         if std::mem::take(&mut wheels.bypass_change_detection().drowned) {
             kind.set_if_neq(RigidBody::Dynamic);
         }
@@ -71,13 +71,13 @@ pub(super) fn drive(
         wheels.bogged = bogged;
         wheels.set(Command { speed, turn_rate }, chassis.track);
 
-        // Coulomb's law for the contact of wheels and ground, for longitudinal and lateral force
-        // together.
+        // Coulomb friction between wheels and ground, with the longitudinal and the lateral force combined.
         let grip = f64::from(chassis.grip) * G * dt;
         let now = velocity.linear.as_dvec2();
         let wanted = ahead * speed;
         let linear = if bogged { wanted } else { now + (wanted - now).clamp_length_max(grip) };
-        // The same force at half the track turns the body; its inertia is that of its footprint.
+        // The same force, at half the track from the centre, turns the body. The inertia is that of the
+        // footprint.
         let radius2 = match model.footprint {
             Footprint::Box => (model.length * model.length + model.width * model.width) / 12.0,
             Footprint::Disc => 0.5 * model.circumscribed_radius * model.circumscribed_radius,
@@ -89,7 +89,7 @@ pub(super) fn drive(
     }
 }
 
-/// The pose of a body after the last step; `None` before rapier has created it.
+/// Returns the pose of a body after the last step, or `None` before rapier has created the body.
 pub(super) fn pose_of(bodies: &RapierRigidBodySet, entity: Entity) -> Option<Pose> {
     let handle = bodies.entity2body().get(&entity)?;
     let at = bodies.bodies.get(*handle)?.position();
@@ -97,8 +97,8 @@ pub(super) fn pose_of(bodies: &RapierRigidBodySet, entity: Entity) -> Option<Pos
     Some(Pose { position: at.translation.as_dvec2(), heading })
 }
 
-/// A number clamped to a limit in both directions. NaN and infinite values, and NaN or negative
-/// limits, give 0: the robot stops.
+/// Clamps a number to a limit in both directions. If the number is infinite or not a number, or if the limit
+/// is negative or not a number, it returns 0, which stops the robot.
 fn within(value: f64, limit: f64) -> f64 {
     if value.is_finite() && limit > 0.0 { value.clamp(-limit, limit) } else { 0.0 }
 }

@@ -1,4 +1,4 @@
-//! The ground that robots drive on.
+//! The ground that robots drive on, and the parts that are too dark for lasers.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -10,19 +10,21 @@ use envgen::surface_index::{Ground, SurfaceIndex};
 use super::laser::LaserScanner;
 use super::model::RobotModel;
 
-/// Difference in metres between the ranges of rapier's colliders, in single precision, and the parts.
+/// The largest difference in metres between the range to a collider of rapier, in single precision, and to
+/// the part itself.
 const SAME_HIT: f64 = 0.01;
 
-/// The indexed surfaces of an environment, and its parts that lasers see only from near.
+/// A component with the indexed surfaces of an environment, and its parts that lasers see only from a short
+/// distance.
 #[derive(Component)]
 pub(super) struct GroundIndex {
     surfaces: SurfaceIndex,
-    /// The dark parts that a laser's plane meets, for each height of a laser.
+    /// The dark parts in the plane of a laser, for each height of a laser.
     dark: Vec<(f64, Option<Raycaster>)>,
 }
 
 impl GroundIndex {
-    /// Indexes the dark parts that the lasers of robots meet.
+    /// Indexes the dark parts in the planes of the robots' lasers.
     fn add_lasers(&mut self, truth: &GroundTruth, robots: &Query<&RobotModel, With<LaserScanner>>) {
         for robot in robots {
             let height = robot.laser_mount.height;
@@ -32,7 +34,7 @@ impl GroundIndex {
         }
     }
 
-    /// The dark parts that a laser of a height meets; `None` where they are not indexed.
+    /// Returns the dark parts in the plane of a laser at a height, or `None` if they are not indexed.
     fn dark_at(&self, height: f64) -> Option<&Option<Raycaster>> {
         let mut at = self.dark.iter().filter(|(known, _)| known.to_bits() == height.to_bits());
         at.next().map(|(_, dark)| dark)
@@ -60,15 +62,15 @@ pub(super) fn index(
     }
 }
 
-/// The ground of all environments.
+/// A system parameter with the ground of all environments.
 #[derive(SystemParam)]
 pub(super) struct Terrain<'w, 's> {
     worlds: Query<'w, 's, (&'static GroundIndex, &'static SpawnedOrigin, &'static GlobalTransform)>,
 }
 
 impl Terrain<'_, '_> {
-    /// The ground at a point of rapier's world; where environments overlap, the worst value of each
-    /// property.
+    /// Returns the ground at a point of rapier's world. Where environments overlap, it has the worst value of
+    /// each property.
     pub(super) fn at(&self, p: DVec2) -> Ground {
         self.worlds.iter().fold(Ground::PLAIN, |worst, (index, origin, transform)| {
             let affine = transform.affine().as_daffine3().inverse();
@@ -77,10 +79,10 @@ impl Terrain<'_, '_> {
         })
     }
 
-    /// Whether a laser at a height and a point of rapier's world has no echo in the direction of a unit vector
-    /// from what rapier's ray meets after `range` metres, since it is too dark to be seen from there. The
-    /// parts of a tile may share a collider, which cannot tell. A scale of the environment resizes the ranges
-    /// from which dark parts are seen with everything else.
+    /// Returns whether the surface that rapier's ray hits after `range` metres is too dark to give an echo to
+    /// a laser at a height and at a point of rapier's world, in the direction of a unit vector. It does not
+    /// use the collider that was hit, since the parts of a tile may share a collider. The scale of the
+    /// environment also scales the ranges up to which dark parts are visible.
     pub(super) fn is_unseen(&self, height: f64, p: DVec2, direction: DVec2, range: f64) -> bool {
         self.worlds.iter().any(|(index, origin, transform)| {
             let Some(Some(dark)) = index.dark_at(height) else { return false };

@@ -1,7 +1,7 @@
 //! Robots in rapier: bodies that drive, slip and collide, with laser, bumper, battery and odometry.
 //!
-//! [`RobotModel`] makes an entity a robot; [`LaserScanner`] and [`WheelOdometry`] are its sensors,
-//! [`DriveCommand`] is its input. Nothing here needs rendering.
+//! The component [`RobotModel`] makes an entity a robot. The components [`LaserScanner`] and
+//! [`WheelOdometry`] are its sensors, and [`DriveCommand`] is its input. This module needs no rendering.
 //!
 //! ```
 //! use bevy::prelude::*;
@@ -19,12 +19,11 @@
 //!
 //! # Drive model
 //!
-//! The wheels follow the command within the robot's limits of speed and acceleration. Each side
-//! runs at v -/+ w b / 2 with the effective track b. The ground then pushes the body towards the
-//! motion of its wheels, longitudinally and laterally, with a force of at most grip * mass * g. So
-//! a robot cannot push through walls, and slips where a wall holds it. When the body is stopped,
-//! its wheels stop too, as in the flat simulator, so that odometry measures the distance really
-//! travelled.
+//! The wheels follow the command within the speed and acceleration limits of the robot. The wheels of each
+//! side run at v -/+ w b / 2 with the effective track b. The ground then pushes the body towards the motion
+//! of its wheels, longitudinally and laterally, with a force of at most grip * mass * g. So a robot cannot
+//! push through walls, and it slips if a wall holds it. When the body is stopped, its wheels stop too, as in
+//! the flat simulator, so that odometry measures the distance that is really driven.
 
 mod drive;
 mod ground;
@@ -46,7 +45,7 @@ pub use model::{
     Wheels,
 };
 
-/// The systems of robots, before and after rapier's: `Drive`, [`PhysicsSet`], `Sense`.
+/// The system sets of robots, before and after those of rapier: `Drive`, [`PhysicsSet`], `Sense`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RobotSystems {
     /// Updates wheel speeds from commands, and pushes the bodies.
@@ -55,9 +54,9 @@ pub enum RobotSystems {
     Sense,
 }
 
-/// Lets entities with a [`RobotModel`] drive and sense.
+/// Makes entities with a [`RobotModel`] drive and sense.
 ///
-/// Rapier must run in the same schedule: see
+/// Rapier must run in the same schedule; see
 /// [`TopDownPhysicsPlugin`](bevy_envgen::physics::TopDownPhysicsPlugin).
 #[derive(Clone, Copy, Debug)]
 pub struct RobotPlugin {
@@ -65,7 +64,8 @@ pub struct RobotPlugin {
 }
 
 impl RobotPlugin {
-    /// Runs the systems in `schedule` instead of `FixedUpdate`; it must be rapier's schedule.
+    /// Creates the plugin with its systems in `schedule` instead of `FixedUpdate`. It must be rapier's
+    /// schedule.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         RobotPlugin { schedule: schedule.intern() }
     }

@@ -1,4 +1,4 @@
-//! The components of a robot.
+//! The components of robots.
 
 use bevy::prelude::*;
 #[cfg(feature = "serialize")]
@@ -16,13 +16,14 @@ use mapping_trial::backend::Command;
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::{Footprint, Robot};
 
-/// Makes an entity a robot with these properties; the default is the Pioneer 3-AT.
+/// A component that makes its entity a robot with these properties. The default is the Pioneer 3-AT.
 ///
-/// Inserting it adds a dynamic body, a collider of the model's footprint, a [`Chassis`] of the
-/// model, its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Those that
-/// the entity already has are kept, as is another [`Chassis`] that is put on it later, and colliders of its children
-/// belong to the robot too. Models of other robots can be read from RON: see [`Robot::from_ron`]. An invalid model gets
-/// no body and logs a warning; in place of another model it removes what that one added.
+/// Inserting it adds a dynamic body, a collider with the footprint of the model, the [`Chassis`] of the
+/// model, its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Components
+/// that the entity already has are kept, and so is a [`Chassis`] that is inserted later. Colliders of
+/// children belong to the robot too. Models of other robots can be read from RON; see [`Robot::from_ron`]. An
+/// invalid model gets no body and logs a warning. If it replaces another model, it removes the components
+/// that the other one added.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
@@ -31,14 +32,14 @@ use mapping_trial::robot::{Footprint, Robot};
 #[require(DriveCommand, Wheels, Bumper, RobotCondition, TruePose, Transform)]
 pub struct RobotModel(pub Robot);
 
-/// The command to a robot, valid until it is changed. Values beyond the model's limits are clamped;
-/// NaN and infinite values are treated as 0.
+/// A component with the command to a robot, which is valid until it is changed. Values beyond the limits of
+/// the model are clamped. Values that are infinite or NaN are treated as 0.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct DriveCommand {
-    /// Forward speed in m/s, negative backwards.
+    /// The forward speed in m/s, negative when driving backwards.
     pub speed: f64,
-    /// Turn rate in rad/s, counter-clockwise.
+    /// The turn rate in rad/s, counter-clockwise.
     pub turn_rate: f64,
 }
 
@@ -48,17 +49,17 @@ impl From<Command> for DriveCommand {
     }
 }
 
-/// Mass and wheels of a robot in rapier; the default is the Pioneer 3-AT.
+/// A component with the mass and the wheels of a robot in rapier. The default is the Pioneer 3-AT.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serialize", serde(default, deny_unknown_fields))]
 pub struct Chassis {
-    /// Mass in kg.
+    /// The mass in kg.
     pub mass: f32,
-    /// Coefficient of friction between wheels and ground, which limits the driving force.
+    /// The coefficient of friction between wheels and ground, which limits the driving force.
     pub grip: f32,
-    /// Effective track of the skid-steered wheels in metres: wider than the geometric track,
+    /// The effective track of the skid-steered wheels in metres. It is wider than the geometric track,
     /// because the wheels slip sideways when the robot turns.
     pub track: f64,
 }
@@ -76,34 +77,34 @@ impl Default for Chassis {
     }
 }
 
-/// Wheel speeds of both sides, as speed over ground in m/s.
+/// A component with the wheel speeds of both sides, as speed over ground in m/s.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct Wheels {
-    /// Speed of the left wheels.
+    /// The speed of the left wheels.
     pub left: f64,
-    /// Speed of the right wheels.
+    /// The speed of the right wheels.
     pub right: f64,
-    /// Whether impassable ground stopped it in the last step.
+    /// Whether impassable ground stopped the robot in the last step.
     pub(super) bogged: bool,
-    /// Whether its pose was read before, so that the next change is a motion.
+    /// Whether the pose was read before, so that the next change is a motion.
     pub(super) placed: bool,
-    /// Its pose before the step, in rapier's frame.
+    /// The pose before the step, in the frame of rapier's world.
     #[reflect(ignore)]
     pub(super) before: Option<Pose>,
-    /// Whether water holds the body.
+    /// Whether the robot is stuck in water.
     pub(super) drowned: bool,
 }
 
 impl Wheels {
-    /// Forward speed in m/s and turn rate in rad/s, for wheels that are `track` metres apart.
+    /// Returns the forward speed in m/s and the turn rate in rad/s, for wheels that are `track` metres apart.
     pub fn motion(&self, track: f64) -> Command {
         let Wheels { left, right, .. } = *self;
         let turn_rate = if track > 0.0 { (right - left) / track } else { 0.0 };
         Command { speed: 0.5 * (left + right), turn_rate }
     }
 
-    /// Whether the robot's [`TruePose`] is known.
+    /// Returns whether the [`TruePose`] of the robot is known.
     #[cfg(feature = "camera")]
     pub(crate) fn is_placed(&self) -> bool {
         self.placed
@@ -115,19 +116,19 @@ impl Wheels {
     }
 }
 
-/// The true pose of a robot after the last step, in the frame of rapier's world: metres and
-/// radians.
+/// A component with the true pose of a robot after the last step, in the frame of rapier's world, in metres
+/// and radians.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct TruePose {
-    /// The position of its centre.
+    /// The position of the robot's centre.
     pub position: DVec2,
-    /// Its heading, counter-clockwise from the x axis.
+    /// The heading, counter-clockwise from the x axis.
     pub heading: f64,
 }
 
 impl TruePose {
-    /// Position and heading as a [`Pose`].
+    /// Returns the position and the heading as a [`Pose`].
     pub fn pose(&self) -> Pose {
         Pose { position: self.position, heading: self.heading }
     }
@@ -139,29 +140,30 @@ impl From<Pose> for TruePose {
     }
 }
 
-/// What a robot touches: a wall counts where it touches both.
+/// What a robot touches. If it touches both, the wall counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Touched {
     Person,
     Solid,
 }
 
-/// The state of a robot's bumper.
+/// A component with the state of a robot's bumper.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct Bumper {
-    /// Whether it touches a solid or a person, or is stopped by impassable ground.
+    /// Whether the robot touches a solid or a person, or is stopped by impassable ground.
     pub touching: bool,
-    /// Number of collisions, those with people aside: contacts that begin after at least 10 steps without contact.
+    /// The number of collisions, without those with people. A collision is a contact that begins after at
+    /// least 10 steps without contact.
     pub collisions: u32,
-    /// Number of collisions with people of a scenario.
+    /// The number of collisions with people of a scenario.
     pub person_collisions: u32,
-    /// Steps since the last contact.
+    /// The number of steps since the last contact.
     pub(super) clear: u32,
 }
 
 impl Bumper {
-    /// Steps without contact after which the next contact is a new collision.
+    /// The number of steps without contact after which the next contact is a new collision.
     const STEPS_BETWEEN_COLLISIONS: u32 = 10;
 
     pub(super) fn feel(&mut self, touched: Option<Touched>) {
@@ -184,55 +186,56 @@ impl Default for Bumper {
     }
 }
 
-/// The charge of a robot's battery; an empty one stops the robot. Added full with the
-/// [`RobotModel`].
+/// A component with the charge of a robot's battery. An empty battery stops the robot. A full one is added
+/// with the [`RobotModel`].
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct Battery {
-    /// Remaining operating time in seconds.
+    /// The remaining operating time in seconds.
     pub left: f64,
 }
 
-/// Whether a robot still works.
+/// A component with the condition of a robot.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub enum RobotCondition {
-    /// It works.
+    /// The robot works.
     #[default]
     Operational,
-    /// It drove into water and stays where it is.
+    /// The robot drove into water and stays where it is.
     Drowned,
 }
 
-/// Measures the motion of a robot with the errors of a profile. Scenes and clones do not hold it.
+/// A component that measures the motion of a robot with the errors of a profile. Scenes and clones do not
+/// hold it.
 #[derive(Component, Reflect)]
 #[component(clone_behavior = Ignore)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
 pub struct WheelOdometry {
-    /// Forward distance in the last step in metres, as measured.
+    /// The measured forward distance of the last step in metres.
     pub distance: f64,
-    /// Turn in the last step in radians, as measured, counter-clockwise.
+    /// The measured turn of the last step in radians, counter-clockwise.
     pub turn: f64,
     #[reflect(ignore)]
     wheels: Box<dyn WheelSensor + Send + Sync>,
 }
 
 impl WheelOdometry {
-    /// The wheel odometry of robot number `robot`; its noise depends on that number and on `seed`.
+    /// Creates the wheel odometry of robot number `robot`. Its noise depends on that number and on `seed`.
     ///
     /// # Panics
-    /// If [`OdometryProfile::validate`] rejects the profile.
+    /// Panics if [`OdometryProfile::validate`] rejects the profile.
     pub fn new(profile: OdometryProfile, seed: u64, robot: u64) -> Self {
         WheelOdometry::with_sensor(Box::new(Odometry::new(profile, Seed(seed), robot)))
     }
 
-    /// Wheel odometry with a custom error model.
+    /// Creates wheel odometry with a custom error model.
     pub fn with_sensor(wheels: Box<dyn WheelSensor + Send + Sync>) -> Self {
         WheelOdometry { distance: 0.0, turn: 0.0, wheels }
     }
 
-    /// The measurement of the last step.
+    /// Returns the measurement of the last step.
     pub fn last(&self) -> Increment {
         Increment { distance: self.distance, turn: self.turn }
     }
@@ -243,20 +246,21 @@ impl WheelOdometry {
     }
 }
 
-/// The components that were added because of the model, which is valid: another model replaces them.
+/// A component that records which components were added for the current model, which is valid. Another model
+/// replaces them.
 #[derive(Component, Clone, Copy, Default)]
 pub(super) struct Fitted {
     body: bool,
-    /// As it was added: with another one, the chassis is the entity's own.
+    /// The chassis that was added. If the entity has a different one, it is the entity's own.
     chassis: Option<Chassis>,
     collider: bool,
-    /// The mass beside the entity's own colliders.
+    /// Whether a mass was added to the entity's own colliders.
     mass: bool,
     agent: bool,
     height: bool,
 }
 
-/// A model, and the components that its entity already has.
+/// A model, with the components that its entity already has.
 type Model = (
     &'static RobotModel,
     Has<RigidBody>,
@@ -268,7 +272,7 @@ type Model = (
     Option<&'static Fitted>,
 );
 
-/// Adds a body, a collider, a chassis and a full battery to a robot, and lets people and doors notice it.
+/// Adds a body, a collider, a chassis and a full battery to a robot, and makes people and doors react to it.
 pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut commands: Commands) {
     let Ok((model, has_body, chassis, collides, is_heavy, is_agent, is_high, fitted)) =
         models.get(fit.entity)
@@ -324,7 +328,7 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     robot.insert((collider, ColliderMassProperties::Mass(chassis.mass)));
 }
 
-/// A robot, and its masses in rapier.
+/// A robot, with its masses in rapier.
 type Weighed = (
     &'static Chassis,
     &'static Fitted,
@@ -332,7 +336,7 @@ type Weighed = (
     Option<&'static mut AdditionalMassProperties>,
 );
 
-/// Gives robots the masses of chassis that were changed or put on them.
+/// Updates the masses of robots whose chassis has changed.
 pub(super) fn weigh(mut robots: Query<Weighed, Changed<Chassis>>) {
     for (chassis, fitted, collider, additional) in &mut robots {
         if let Some(mut mass) = collider.filter(|_| fitted.collider) {
@@ -344,7 +348,7 @@ pub(super) fn weigh(mut robots: Query<Weighed, Changed<Chassis>>) {
     }
 }
 
-/// Removes what was added because of the last model.
+/// Removes the components that were added for the last model.
 fn strip(robot: &mut EntityCommands<'_>, fitted: Fitted) {
     if fitted.body {
         robot.remove::<(RigidBody, Velocity)>();
@@ -364,6 +368,6 @@ fn strip(robot: &mut EntityCommands<'_>, fitted: Fitted) {
     if fitted.height {
         robot.remove::<HeightRange>();
     }
-    // It is at rest, wherever it is put, until another model is allowed.
+    // The robot is at rest, even if it is moved elsewhere, until it gets a valid model.
     robot.remove::<Fitted>().insert(Wheels::default());
 }

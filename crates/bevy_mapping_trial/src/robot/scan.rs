@@ -1,4 +1,4 @@
-//! Laser scans with rapier's rays.
+//! Takes laser scans with rapier's rays.
 
 use bevy::prelude::*;
 use bevy_envgen::HeightRange;
@@ -13,15 +13,15 @@ use super::laser::{LaserScan, LaserScanner};
 use super::model::{RobotModel, TruePose};
 use super::scenarios::Scenarios;
 
-/// Ticks by which sums of steps may be off.
+/// The tolerance in ticks for the rounding of sums of steps.
 const ROUNDING: f64 = 1e-6;
 
-/// The ranges of a scan, kept to save allocations.
+/// The buffers of a scan, which are kept to avoid allocations.
 #[derive(Default)]
 pub(super) struct Ranges {
     exact: Vec<f64>,
     directions: Vec<DVec2>,
-    /// The beams that end at something too dark to be seen from there, and where.
+    /// The beams that end at a surface that is too dark to give an echo, and their ranges.
     unseen: Vec<(usize, f64)>,
 }
 
@@ -32,7 +32,7 @@ pub(super) fn scan(
     rapier: ReadRapierContext,
     terrain: Terrain,
     scenarios: Scenarios,
-    // Robots are seen whatever their height, as in the flat simulator.
+    // Robots are detected at any height, as in the flat simulator.
     heights: Query<&HeightRange, Without<RobotModel>>,
     mut ranges: Local<Ranges>,
 ) {
@@ -43,7 +43,7 @@ pub(super) fn scan(
         if !rapier.rigidbody_set.entity2body().contains_key(&entity) {
             continue;
         }
-        // Steps of another length than a tick leave a rest.
+        // If steps are not whole ticks, a remainder is left.
         let period = f64::from(scanner.profile().ticks_a_scan.max(1));
         let age = scanner.age.map_or(period, |age| age + ticks);
         scanner.age = Some(age);
@@ -56,11 +56,11 @@ pub(super) fn scan(
         let filter = QueryFilter::new().exclude_rigid_body(entity).exclude_sensors();
         let height = model.laser_mount.height;
         let is_met = |entity| {
-            // A body's height is on its own entity, or on that of one of its colliders.
+            // The height of a body is on its own entity, or on the entity of one of its colliders.
             let body = || rapier.colliders.collider_parent(rapier.rigidbody_set, entity);
             let range = heights.get(entity).ok().or_else(|| heights.get(body()?).ok());
             let is_missed = range.is_some_and(|range| !range.contains(height));
-            // People and leaves are seen where the scenario has them.
+            // People and leaves are detected where the scenario has them.
             !is_missed && !scenarios.moves(entity)
         };
         let filter = filter.predicate(&is_met);
@@ -94,7 +94,7 @@ pub(super) fn scan(
         }
         scan.ranges = sensor.measure(exact).ranges;
         for beam in zero {
-            // A sensor of one's own may give fewer ranges.
+            // A custom sensor may return fewer ranges.
             if let Some(range) = scan.ranges.get_mut(beam) {
                 *range = 0.0;
             }

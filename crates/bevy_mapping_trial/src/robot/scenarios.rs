@@ -1,4 +1,4 @@
-//! What robots see of the scenarios of environments.
+//! What the lasers of robots detect of scenarios.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -6,10 +6,10 @@ use bevy_envgen::SpawnedOrigin;
 use bevy_envgen::scenario::{DoorLeaf, Person, ScenarioRun};
 use mapping_trial::lidar::{Rays, ScenarioSight};
 
-/// The bodies of people and leaves.
+/// A filter for the bodies of people and leaves.
 type Moving = Or<(With<Person>, With<DoorLeaf>)>;
 
-/// The scenarios of all environments.
+/// A system parameter with the scenarios of all environments.
 #[derive(SystemParam)]
 pub(super) struct Scenarios<'w, 's> {
     runs: Query<'w, 's, (&'static ScenarioRun, &'static SpawnedOrigin, &'static GlobalTransform)>,
@@ -17,13 +17,13 @@ pub(super) struct Scenarios<'w, 's> {
 }
 
 impl Scenarios<'_, '_> {
-    /// Whether an entity is a person or a leaf.
+    /// Returns whether an entity is a person or a leaf.
     pub(super) fn moves(&self, entity: Entity) -> bool {
         self.moving.contains(entity)
     }
 
-    /// Changes the exact ranges of a scan, whose rays are in rapier's frame: they end at the leaves and people of all
-    /// scenarios, then in their smoke. Returns the beams that read 0.
+    /// Changes the exact ranges of a scan, whose rays are in the frame of rapier's world: the rays end at the
+    /// leaves and people of all scenarios, and then in their smoke. Returns the beams that read 0.
     pub(super) fn look(
         &self,
         sight: &mut ScenarioSight,
@@ -35,7 +35,7 @@ impl Scenarios<'_, '_> {
         self.look_into_each(rays, ranges, |run, rays, ranges| {
             ScenarioSight::meet(run.now(), rays, ranges);
         });
-        // What smoke has hidden is not met again.
+        // Bodies behind smoke that has ended a ray are not detected.
         self.look_into_each(rays, ranges, |run, rays, ranges| {
             zero.extend(sight.look_through_smoke(run.now(), (robot, tick), rays, ranges));
         });

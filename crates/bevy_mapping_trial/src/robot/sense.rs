@@ -1,4 +1,4 @@
-//! Sensing after a step: poses, contacts, wheel odometry and batteries.
+//! Updates poses, contacts, wheel odometry and batteries after a step.
 
 use bevy::prelude::*;
 use bevy_envgen::scenario::Person;
@@ -14,7 +14,7 @@ use super::model::{
     Battery, Bumper, Chassis, RobotCondition, RobotModel, Touched, TruePose, WheelOdometry, Wheels,
 };
 
-/// The components of a robot that senses.
+/// The components of a sensing robot.
 type Sensing = (
     Entity,
     &'static Chassis,
@@ -26,8 +26,8 @@ type Sensing = (
     Option<&'static mut Battery>,
 );
 
-/// Notes where bodies are before the step: what moved them until then, such as a change of their [`Transform`] or of
-/// that of their environment, turned no wheels.
+/// Records the poses of bodies before the step. A change before that, such as a change of the [`Transform`]
+/// of a robot or of its environment, has turned no wheels.
 pub(super) fn note_places(
     mut robots: Query<(Entity, &mut Wheels), With<RobotModel>>,
     rapier: ReadRapierContext,
@@ -38,7 +38,7 @@ pub(super) fn note_places(
     }
 }
 
-/// Reads poses, contacts, odometry and batteries.
+/// Updates poses, contacts, odometry and batteries.
 pub(super) fn sense(
     time: Res<Time>,
     mut robots: Query<Sensing, With<RobotModel>>,
@@ -89,20 +89,20 @@ pub(super) fn sense(
     }
 }
 
-/// Speed in m/s along the normal of a contact from which on a body counts as stopped by it.
+/// The speed in m/s along the normal of a contact from which on the contact counts as stopping a body.
 const STOPPED: f32 = 0.01;
 
-/// Whether a contact of a collider of a body took speed from it, of which `lost` is what its wheels were to drive
-/// and it did not move, in m/s. Impulses alone do not show it: they are those of the last substep, in which a body
-/// that was stopped before may rest. Which of the two colliders is the first depends on what an app did before, and
-/// must not count.
+/// Returns whether a contact of a collider of a body took speed from the body. `lost` is the difference
+/// between the velocity that its wheels should have given it and its actual velocity, in m/s. Impulses alone
+/// do not show this, since they are those of the last substep, in which a body that was stopped before may
+/// rest. The order of the two colliders depends on the history of the app, and must not matter.
 fn is_stopped_by(pair: &ContactPairView<'_>, own: Entity, lost: Vec2) -> bool {
     let sign = if pair.collider1() == Some(own) { 1.0 } else { -1.0 };
     let mut active = pair.raw.manifolds.iter().filter(|m| !m.data.solver_contacts.is_empty());
     active.any(|manifold| sign * lost.dot(manifold.data.normal) > STOPPED)
 }
 
-/// What the colliders of a body touch.
+/// Returns what the colliders of a body touch.
 fn touched(
     rapier: &RapierContext,
     body: Entity,

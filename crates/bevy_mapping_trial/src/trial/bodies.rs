@@ -11,20 +11,20 @@ use mapping_trial::trial::Setup;
 /// The name of the robot backend in logs.
 pub const ENGINE: &str = "rapier";
 
-/// The robots of a trial in rapier. In every tick, systems store here what the robots sensed, and
-/// the trial reads it.
+/// The robots of a trial in rapier. In every tick, systems store here what the robots have sensed, and the
+/// trial reads it.
 pub struct RapierRobots {
     ticks: u32,
-    /// The robots' sensors, until they are moved to the spawned robots.
+    /// The sensors of the robots, until they are moved to the spawned robots.
     sensors: Vec<Sensors>,
-    /// Operating time of a full battery in seconds.
+    /// The operating time of a full battery in seconds.
     battery: f64,
     robots: Vec<TickReport>,
-    /// What moves besides, as it was in the last tick.
+    /// The state of the doors, people and smoke in the last tick.
     scenario: Option<ScenarioState>,
 }
 
-/// What a robot sensed in the last tick.
+/// What a robot has sensed in the last tick.
 #[derive(Clone, Debug)]
 pub(super) struct TickReport {
     pub(super) pose: Pose,
@@ -54,19 +54,19 @@ impl RapierRobots {
         RapierRobots { ticks: 0, sensors, battery, robots, scenario: setup.scenario.cloned() }
     }
 
-    /// The robots' sensors, for spawning the robots.
+    /// Returns the sensors of the robots, for spawning the robots.
     pub(super) fn take_sensors(&mut self) -> Vec<Sensors> {
         std::mem::take(&mut self.sensors)
     }
 
-    /// Stores what a robot sensed.
+    /// Stores what a robot has sensed.
     pub(super) fn store(&mut self, robot: usize, report: TickReport) {
         if let Some(place) = self.robots.get_mut(robot) {
             *place = report;
         }
     }
 
-    /// Notes that a robot is no longer there.
+    /// Records that a robot no longer exists.
     pub(super) fn remove(&mut self, robot: usize) {
         if let Some(report) = self.robots.get_mut(robot) {
             report.condition = Condition::Removed;
@@ -74,7 +74,7 @@ impl RapierRobots {
         }
     }
 
-    /// Stores what moves besides.
+    /// Stores the state of the doors, people and smoke.
     pub(super) fn store_scenario(&mut self, state: &ScenarioState) {
         if let Some(scenario) = &mut self.scenario {
             scenario.clone_from(state);
@@ -86,7 +86,7 @@ impl RapierRobots {
         self.ticks += 1;
     }
 
-    /// Remaining operating time of every battery in seconds.
+    /// Returns the remaining operating time of every battery in seconds.
     pub(super) fn battery(&self) -> f64 {
         (self.battery - f64::from(self.ticks) * TICK).max(0.0)
     }
@@ -110,7 +110,7 @@ impl RobotBackend for RapierRobots {
         }
     }
 
-    /// Only advances time: rapier moves these robots, in Bevy's schedule.
+    /// Only advances the time, since rapier moves these robots in Bevy's schedule.
     fn advance(&mut self, _: &[Command]) {
         self.tick();
         for report in &mut self.robots {

@@ -1,4 +1,4 @@
-//! What the robots' cameras detect of water.
+//! The detection of water by the cameras of robots.
 
 use envgen::World;
 use envgen::geometry::Pose;
@@ -8,7 +8,7 @@ use envgen::surface_index::SurfaceIndex;
 use mapping_trial::robot::Robot;
 use mapping_trial::water;
 
-/// The world as the robots' cameras see it.
+/// The world as the cameras of robots detect it.
 pub(super) struct Camera {
     grounds: SurfaceIndex,
     rays: Raycaster,
@@ -19,7 +19,7 @@ impl Camera {
         Camera { grounds: SurfaceIndex::new(world), rays: Raycaster::new(world) }
     }
 
-    /// The points of water that a robot at a pose of the world detects, in its own frame.
+    /// Returns the points of water that a robot at a pose in the world detects, in the frame of the robot.
     pub(super) fn water(&self, robot: &Robot, pose: Pose) -> Vec<DVec2> {
         water::seen(&self.grounds, &self.rays, robot, pose)
     }

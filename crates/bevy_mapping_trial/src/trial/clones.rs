@@ -1,12 +1,12 @@
-//! Robots that came without their trial.
+//! Removes robots that exist without their trial.
 
 use bevy::prelude::*;
 use bevy_envgen::Environment;
 
 use super::component::{MappingTrial, TrialRobot};
 
-/// Despawns the robots that came out of a scene, or as clones, below an environment: scenes and clones do not hold
-/// their trial.
+/// Despawns the robots below an environment that were spawned from a scene or cloned, since scenes and clones
+/// do not hold the trial of these robots.
 pub(super) fn dismiss(
     added: Query<(Entity, &ChildOf), Added<TrialRobot>>,
     environments: Query<Option<&MappingTrial>, With<Environment>>,

@@ -8,7 +8,8 @@ use mapping_trial::robot::Robot;
 
 use super::component::{MappingTrial, State};
 
-/// What a trial has replaced, beside it. Clones have it, so that they get theirs back.
+/// A component with the colliders that a trial has replaced, on the same entity. Clones hold it, so that
+/// their colliders can be restored.
 #[derive(Component, Clone, Copy)]
 pub(super) struct ReplacedColliders {
     before: Option<EnvironmentColliders>,
@@ -24,10 +25,11 @@ type Needing = (
     Option<&'static ReplacedColliders>,
 );
 
-/// What a trial needs may have changed.
+/// A filter for trials whose colliders may have to be replaced.
 type Renewed = Or<(Changed<MappingTrial>, Changed<EnvironmentColliders>)>;
 
-/// Gives trials that have begun the colliders that they need, also where an app has inserted others.
+/// Replaces the colliders of trials that have begun by those that they need, also after an app has inserted
+/// others.
 pub(super) fn replace(
     trials: Query<Needing, Renewed>,
     settings: Option<Res<ColliderSettings>>,
@@ -50,12 +52,12 @@ pub(super) fn replace(
     }
 }
 
-/// Gives an environment its colliders back when its trial is removed.
+/// Restores the colliders of an environment when its trial is removed.
 pub(super) fn give_back(gone: On<Discard, MappingTrial>, mut commands: Commands) {
     restore(gone.entity, &mut commands);
 }
 
-/// Gives a clone the colliders that its original had without the trial, which is not cloned.
+/// Restores the original colliders for a clone, since the trial is not cloned.
 pub(super) fn give_to_clones(
     added: On<Add, ReplacedColliders>,
     trials: Query<(), With<MappingTrial>>,
@@ -74,7 +76,7 @@ fn restore(entity: Entity, commands: &mut Commands) {
         if root.get() != Some(&during) {
             return;
         }
-        // Only inserting it replaces colliders that are there.
+        // Existing colliders are replaced only when the component is inserted.
         root.insert(before.unwrap_or(EnvironmentColliders(others)));
         if before.is_none() {
             root.remove::<EnvironmentColliders>();
@@ -82,8 +84,8 @@ fn restore(entity: Entity, commands: &mut Commands) {
     });
 }
 
-/// The colliders that stop a robot, and that its laser sees, exactly where the parts of the world do; `None` where
-/// `settings` are such already.
+/// Returns settings of colliders that stop a robot, and are detected by its laser, exactly where the parts of
+/// the world are, or `None` if `settings` already do this.
 fn colliders_for(
     settings: ColliderSettings,
     body: &Robot,

@@ -1,4 +1,4 @@
-//! The components of trials, and what a trial keeps while it runs.
+//! The components of trials, and the state of a running trial.
 
 use std::sync::Arc;
 
@@ -12,23 +12,26 @@ use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 use super::bodies::RapierRobots;
 use super::camera::Camera;
 
-/// A mapping trial in the world of the [`Environment`](bevy_envgen::Environment) on the same entity.
+/// A component that runs a mapping trial in the world of the [`Environment`](bevy_envgen::Environment) on the
+/// same entity.
 ///
-/// It begins once the world is ready: its robots are spawned as children of the environment, with
-/// the component [`TrialRobot`], and [`TrialStarted`](super::TrialStarted) is triggered. When the
-/// environment gets another world, the trial begins again; while it has none, such as while it is
-/// tilted, there are no robots. Removing the component or despawning the environment removes the
-/// robots. Until then the environment has the `EnvironmentColliders` that the robots need, also where an app inserts
-/// others. A robot that is despawned ends its part in the trial. Scenes and clones do not hold it; their robots are
-/// despawned. The events are
-/// [`TrialStarted`](super::TrialStarted), [`TrialEnded`](super::TrialEnded) and
+/// The trial begins once the world is ready: its robots are spawned as children of the environment, with the
+/// component [`TrialRobot`], and [`TrialStarted`](super::TrialStarted) is triggered. When the environment
+/// gets another world, the trial begins again. While it has no world, for example while it is tilted, there
+/// are no robots. A robot that is despawned no longer takes part in the trial.
+///
+/// Removing the component or despawning the environment removes the robots. Until then the environment has
+/// the `EnvironmentColliders` that the robots need, even if an app inserts others. Scenes and clones do not
+/// hold this component, and their robots are despawned.
+///
+/// The events are [`TrialStarted`](super::TrialStarted), [`TrialEnded`](super::TrialEnded) and
 /// [`TrialFailed`](super::TrialFailed).
 #[derive(Component, Reflect)]
 #[component(clone_behavior = Ignore)]
 #[reflect(from_reflect = false)]
 #[reflect(Component)]
 pub struct MappingTrial {
-    /// Simulated seconds so far, for inspectors.
+    /// The simulated seconds so far, for inspectors.
     pub(super) time: f64,
     #[reflect(ignore)]
     pub(super) ask: Request,
@@ -39,7 +42,7 @@ pub struct MappingTrial {
     pub(super) state: State,
 }
 
-/// What trial was requested.
+/// The trial that was requested.
 pub(super) enum Request {
     New(Box<TrialSettings>),
     Replay(Box<TrialLog>),
@@ -49,20 +52,20 @@ pub(super) enum Request {
 pub(super) enum State {
     /// The world is not ready.
     Waiting,
-    /// Robots were spawned, but rapier has not created their bodies.
+    /// The robots are spawned, but rapier has not created their bodies yet.
     Warming(Box<Run>),
     Running(Box<Run>),
     Over(Box<Run>),
-    /// The world has no end.
+    /// The world is endless.
     Endless,
-    /// The trial cannot begin in this place; whether time steps and scale suited it.
+    /// The trial cannot begin in this place. `suited` is whether time steps and scale were valid.
     Failed {
         place: Place,
         suited: bool,
     },
 }
 
-/// Where a trial is: the world, and the scenario by the tick of its beginning.
+/// The place of a trial: the world, and the scenario, which is identified by the tick in which it began.
 #[derive(Clone)]
 pub(super) struct Place {
     pub(super) world: Arc<envgen::World>,
@@ -75,21 +78,22 @@ pub(super) struct Run {
     pub(super) place: Place,
     pub(super) camera: Camera,
     pub(super) robots: Vec<Entity>,
-    /// Number of scans of each robot that the trial has processed.
+    /// The number of scans of each robot that the trial has processed.
     pub(super) scans: Vec<u64>,
     /// The remaining commands of the log, for each robot.
     pub(super) script: Vec<std::vec::IntoIter<Command>>,
 }
 
 impl MappingTrial {
-    /// A trial with these settings. If their exploration policy is `None`, the commands are those of
+    /// Creates a trial with these settings. If their exploration policy is `None`, the commands are those of
     /// [`ManualControl`].
     pub fn new(settings: TrialSettings) -> Self {
         MappingTrial::of(Request::New(Box::new(settings)))
     }
 
-    /// Replays a log of engine [`ENGINE`](super::ENGINE); the environment's world must be the log's. To the last bit
-    /// where transform, origin and colliders are those of the environment that the log is from.
+    /// Creates the replay of a log of engine [`ENGINE`](super::ENGINE). The world of the environment must be
+    /// that of the log. The replay is exact to the last bit if transform, origin and colliders are those of
+    /// the environment in which the log was made.
     pub fn replay(log: TrialLog) -> Self {
         MappingTrial::of(Request::Replay(Box::new(log)))
     }
@@ -104,22 +108,23 @@ impl MappingTrial {
         MappingTrial { parts, ..self }
     }
 
-    /// The trial up to now; `None` before it begins.
+    /// Returns the trial in its current state, or `None` before it has begun.
     pub fn trial(&self) -> Option<&Trial<RapierRobots>> {
         self.run().map(|run| &run.trial)
     }
 
-    /// The robots' entities, in the order of the trial; empty before it begins.
+    /// Returns the entities of the robots, in the order of the trial. It is empty before the trial has begun.
     pub fn robots(&self) -> &[Entity] {
         self.run().map_or(&[], |run| &run.robots)
     }
 
-    /// Whether it has ended; a replay ends with the commands of the log.
+    /// Returns whether the trial has ended. A replay ends with the commands of the log.
     pub fn is_over(&self) -> bool {
         matches!(self.state, State::Over(_))
     }
 
-    /// Whether it cannot begin, or continue, in the current world: see [`TrialFailed`](super::TrialFailed).
+    /// Returns whether the trial cannot begin, or continue, in the current world; see
+    /// [`TrialFailed`](super::TrialFailed).
     pub fn has_failed(&self) -> bool {
         matches!(self.state, State::Failed { .. } | State::Endless)
     }
@@ -138,7 +143,7 @@ impl MappingTrial {
         }
     }
 
-    /// The trial itself, if it has ended.
+    /// Returns the trial itself, if it has ended.
     pub(super) fn into_trial(self) -> Option<Trial<RapierRobots>> {
         match self.state {
             State::Over(run) => Some(run.trial),
@@ -147,8 +152,8 @@ impl MappingTrial {
     }
 }
 
-/// Commands of a person, one per robot, next to a [`MappingTrial`]. While the component exists, they
-/// replace those of the exploration policy. Robots without a command stop.
+/// A component with the commands of an operator, one per robot, on the entity of a [`MappingTrial`]. While it
+/// exists, its commands replace those of the exploration policy. Robots without a command stop.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[component(clone_behavior = Ignore)]
 #[reflect(opaque)]
@@ -160,10 +165,11 @@ pub struct ManualControl {
     pub commands: Vec<Command>,
 }
 
-/// A robot of a [`MappingTrial`]. Below an environment those that its trial has not spawned are despawned.
+/// A component of a robot of a [`MappingTrial`]. Entities below an environment that have it, but were not
+/// spawned by the trial, are despawned.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct TrialRobot {
-    /// Its number in the trial, from 0.
+    /// The number of the robot in the trial, counted from 0.
     pub index: usize,
 }

@@ -1,4 +1,4 @@
-//! Why a trial cannot begin in an environment.
+//! The errors that prevent a trial in an environment.
 
 use bevy::prelude::*;
 use bevy_envgen::scenario::ScenarioError;
@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::bodies::ENGINE;
 
-/// Why a trial cannot begin in an environment.
+/// An error that prevents a trial in an environment.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MappingTrialError {
@@ -20,7 +20,7 @@ pub enum MappingTrialError {
         mapping_trial::backend::TICK
     )]
     FixedStep {
-        /// Seconds of the fixed step.
+        /// The fixed step in seconds.
         found: f64,
     },
     /// Rapier's step is not a tick.
@@ -29,25 +29,25 @@ pub enum MappingTrialError {
         mapping_trial::backend::TICK
     )]
     RapierStep {
-        /// The mode of rapier's steps.
+        /// The time step mode of rapier.
         found: String,
     },
     /// The log was made with another engine.
     #[error("the log's engine must be `{ENGINE}` to be replayed here, got `{found}`")]
     Engine {
-        /// The log's engine.
+        /// The engine of the log.
         found: String,
     },
-    /// The environment's doors, people or smoke cannot be.
+    /// The doors, people or smoke of the environment are invalid.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// The environment has no end.
+    /// The world of the environment is endless.
     #[error("a trial needs a world with an end, but the environment's is endless")]
     Endless,
     /// The environment is scaled.
     #[error("the environment's scale must be 1 for a trial, got {found}")]
     Scale {
-        /// The scale.
+        /// The scale of the environment.
         found: Vec3,
     },
 }

@@ -4,25 +4,26 @@ use bevy::prelude::*;
 
 use super::error::MappingTrialError;
 
-/// Triggered on an environment when its trial begins.
+/// An event that is triggered on an environment when its trial begins.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TrialStarted {
     /// The environment.
     pub entity: Entity,
 }
 
-/// Triggered on an environment when its trial has ended.
+/// An event that is triggered on an environment when its trial has ended.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TrialEnded {
     /// The environment.
     pub entity: Entity,
 }
 
-/// Triggered on an environment when its trial cannot begin, or cannot continue since the environment is scaled.
+/// An event that is triggered on an environment when its trial cannot begin, or cannot continue because the
+/// environment is scaled.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TrialFailed {
     /// The environment.
     pub entity: Entity,
-    /// Why.
+    /// The error.
     pub error: MappingTrialError,
 }

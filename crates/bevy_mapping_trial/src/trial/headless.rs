@@ -1,4 +1,4 @@
-//! Trials in a headless app that is created for them.
+//! Runs trials in a headless app that is created for them.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,10 +23,10 @@ use super::event::TrialFailed;
 use super::physics::ForTrials;
 use super::plugin::TrialPlugin;
 
-/// Ticks between two calls of the progress callback.
+/// The number of ticks between two calls of the progress callback.
 const TICKS_PER_CALL: u64 = 200;
 
-/// Why a trial cannot be run headless.
+/// An error that prevents a headless trial.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HeadlessError {
@@ -41,12 +41,12 @@ pub enum HeadlessError {
     Stalled,
 }
 
-/// Runs a trial in rapier to its end, as fast as possible and on this thread alone. `progress` is
+/// Runs a trial in rapier to its end, as fast as possible and on the current thread only. `progress` is
 /// called from time to time with the simulated seconds so far.
 ///
 /// # Errors
 ///
-/// An invalid world, settings that are out of range, or a start that is not free.
+/// Returns an error if the world is invalid, if a setting is out of range, or if the start is not free.
 pub fn run_headless(
     world: &envgen::World,
     settings: TrialSettings,
@@ -55,12 +55,12 @@ pub fn run_headless(
     run_headless_with(world, settings, TrialParts::default(), None, progress)
 }
 
-/// The same with a custom SLAM, exploration policy or sensors, in place of those of the settings, and with doors,
-/// people and smoke.
+/// Runs a trial as `run_headless` does, with a custom SLAM, exploration policy or sensors in place of those
+/// of the settings, and with doors, people and smoke.
 ///
 /// # Errors
 ///
-/// As [`run_headless`]; a scenario that does not fit the world.
+/// Returns the errors of [`run_headless`], and an error if the scenario does not fit the world.
 pub fn run_headless_with(
     world: &envgen::World,
     settings: TrialSettings,
@@ -72,11 +72,11 @@ pub fn run_headless_with(
     drive(&mut app(), world.clone(), trial, scenario, progress, |_| ())
 }
 
-/// Replays a log of engine [`ENGINE`](super::ENGINE) in `world`, which must be the log's world.
+/// Replays a log of engine [`ENGINE`](super::ENGINE) in `world`, which must be the world of the log.
 ///
 /// # Errors
 ///
-/// As [`run_headless`]; a world or an engine that is not the log's.
+/// Returns the errors of [`run_headless`], and an error if the world or the engine is not that of the log.
 pub fn replay_headless(
     world: &envgen::World,
     log: TrialLog,
@@ -85,11 +85,12 @@ pub fn replay_headless(
     replay_headless_with(world, log, TrialParts::default(), progress)
 }
 
-/// The same with an observer, or with the parts that were plugged in when the log was made.
+/// Replays a log as `replay_headless` does, with an observer, or with the custom parts with which the log was
+/// made.
 ///
 /// # Errors
 ///
-/// As [`replay_headless`].
+/// Returns the errors of [`replay_headless`].
 pub fn replay_headless_with(
     world: &envgen::World,
     log: TrialLog,
@@ -101,11 +102,11 @@ pub fn replay_headless_with(
     drive(&mut app(), world.clone(), trial, scenario, progress, |_| ())
 }
 
-/// The last reason why the trial could not begin.
+/// A resource with the last error that prevented the trial.
 #[derive(Resource)]
 struct Failure(MappingTrialError);
 
-/// Runs a trial to its end in an app of which an update is a tick, and calls `ticked` after each.
+/// Runs a trial to its end in an app in which each update is a tick, and calls `ticked` after each tick.
 pub(crate) fn drive(
     app: &mut App,
     world: envgen::World,
@@ -150,7 +151,7 @@ pub(crate) fn drive(
     }
 }
 
-/// An app in which an update is a tick, with only the plugins that a trial needs.
+/// Creates an app in which each update is a tick, with only the plugins that a trial needs.
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((TaskPoolPlugin::default(), TimePlugin, TransformPlugin));
@@ -158,7 +159,7 @@ fn app() -> App {
     app
 }
 
-/// Makes an update of an app with clocks and transforms a tick, and adds the plugins that a trial needs.
+/// Adds the plugins that a trial needs to an app with clocks and transforms, and makes each update a tick.
 pub(crate) fn set_up(app: &mut App) {
     app.add_plugins((
         TopDownPhysicsPlugin::for_trials(),

@@ -1,9 +1,9 @@
-//! Mapping trials in rapier: the autonomy, protocol, log and scores of [`mapping_trial`], with the
-//! robots of [`crate::robot`] as robot backend.
+//! Mapping trials in rapier: the autonomy, protocol, log and scores of [`mapping_trial`], with the robots of
+//! [`crate::robot`] as the robot backend.
 //!
-//! Put a [`MappingTrial`] on the entity of an [`Environment`](bevy_envgen::Environment): once the world
-//! is ready, its robots are spawned as children of the environment, and the trial runs at 20 ticks
-//! per simulated second. [`run_headless`] runs a trial without an app.
+//! Add a [`MappingTrial`] to the entity of an [`Environment`](bevy_envgen::Environment). Once the world is
+//! ready, its robots are spawned as children of the environment, and the trial runs at 20 ticks per simulated
+//! second. The function [`run_headless`] runs a trial without an app.
 //!
 //! ```
 //! use bevy_mapping_trial::trial::run_headless;
@@ -19,26 +19,28 @@
 //!
 //! # A tick
 //!
-//! [`TrialSystems::Command`], [`RobotSystems::Drive`](crate::robot::RobotSystems), rapier's
-//! `PhysicsSet`, [`ScenarioSystems`](bevy_envgen::ScenarioSystems), [`RobotSystems::Sense`](crate::robot::RobotSystems), [`TrialSystems::Record`]. The
-//! schedule's step must be [`TICK`](mapping_trial::backend::TICK), and rapier's with it:
-//! [`TopDownPhysicsPlugin::for_trials`](ForTrials::for_trials) sets both.
-//! In the first tick after the robots were spawned only observations are made: rapier must create
-//! their bodies before the first scan.
+//! The systems of a tick run in this order: [`TrialSystems::Command`],
+//! [`RobotSystems::Drive`](crate::robot::RobotSystems), rapier's `PhysicsSet`,
+//! [`ScenarioSystems`](bevy_envgen::ScenarioSystems), [`RobotSystems::Sense`](crate::robot::RobotSystems),
+//! [`TrialSystems::Record`]. The steps of the schedule and of rapier must both be
+//! [`TICK`](mapping_trial::backend::TICK): [`TopDownPhysicsPlugin::for_trials`](ForTrials::for_trials) sets
+//! both. The first tick after the robots are spawned only makes observations, since rapier must create their
+//! bodies before the first scan.
 //!
 //! # Replay
 //!
-//! A log of engine [`ENGINE`] replays to the last bit with the same build of the program, on the
-//! same kind of machine, in an environment with the same transform, origin and colliders; rapier's floating-point
-//! results differ between platforms. [`replay_headless`] has those of [`run_headless`]:
-//! [`ColliderSettings::for_trials`](ForTrials::for_trials), and no transform.
+//! A log of engine [`ENGINE`] replays to the last bit with the same build of the program, on the same kind of
+//! machine, in an environment with the same transform, origin and colliders. Rapier's floating-point results
+//! differ between platforms. [`replay_headless`] uses those of [`run_headless`]: no transform, and the
+//! colliders of [`ColliderSettings::for_trials`](ForTrials::for_trials).
 //!
 //! # Scenarios
 //!
-//! A trial meets the doors, people and smoke of the [`EnvironmentScenario`](bevy_envgen::EnvironmentScenario) of its
-//! environment, from their start on: the same as in the flat simulator. The log holds them and the commands of an
-//! app to their doors, and a replay gives its environment those of the log alone. Everything else that an app adds to
-//! the world is not in the log. Another scenario in the environment lets the trial begin again, as another world does.
+//! A trial includes the doors, people and smoke of the
+//! [`EnvironmentScenario`](bevy_envgen::EnvironmentScenario) of its environment from their beginning, the
+//! same as in the flat simulator. The log contains them and the commands of an app to the doors, and a replay
+//! uses only those of the log. Everything else that an app adds to the world is not in the log. Like another
+//! world, another scenario in the environment makes the trial begin again.
 
 mod bodies;
 mod camera;

@@ -1,15 +1,15 @@
-//! The set-up of physics for trials.
+//! The settings of physics for trials.
 
 use bevy_envgen::physics::{ColliderMerging, ColliderSettings, TopDownPhysicsPlugin};
 use mapping_trial::backend::TICK;
 
-/// Settings of physics with values for mapping trials.
+/// Physics settings with values for mapping trials.
 pub trait ForTrials {
-    /// The values for mapping trials.
+    /// Returns the values for mapping trials.
     ///
     /// - [`TopDownPhysicsPlugin`]: 20 steps per second, each of 4 substeps.
-    /// - [`ColliderSettings`]: merged, which makes rapier's rays faster, and without sensors, because
-    ///   robots query the surfaces of the world directly.
+    /// - [`ColliderSettings`]: merged, which makes rapier's rays faster, and without sensors, because robots
+    ///   query the surfaces of the world directly.
     fn for_trials() -> Self;
 }
 

@@ -9,24 +9,25 @@ use super::component::{ManualControl, MappingTrial, TrialRobot};
 use super::{clones, colliders, run};
 use crate::robot::{RobotPlugin, RobotSystems};
 
-/// The systems of trials, before and after those of robots.
+/// The system sets of trials, before and after those of robots.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TrialSystems {
-    /// Processes what the robots sensed and commands them; begins and ends trials.
+    /// Begins and ends trials, processes what the robots have sensed, and commands them.
     Command,
-    /// Records the robots' new poses and measurements.
+    /// Records the new poses and measurements of the robots.
     Record,
 }
 
-/// Runs the trials of [`MappingTrial`] components. Adds [`RobotPlugin`] to the same schedule,
-/// unless it is added already.
+/// Runs the trials of [`MappingTrial`] components. Adds [`RobotPlugin`] to the same schedule, unless it is
+/// already added.
 #[derive(Clone, Copy, Debug)]
 pub struct TrialPlugin {
     schedule: Interned<dyn ScheduleLabel>,
 }
 
 impl TrialPlugin {
-    /// Runs the systems in `schedule` instead of `FixedUpdate`; it must be rapier's schedule.
+    /// Creates the plugin with its systems in `schedule` instead of `FixedUpdate`. It must be rapier's
+    /// schedule.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         TrialPlugin { schedule: schedule.intern() }
     }
