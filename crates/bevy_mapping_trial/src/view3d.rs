@@ -1,4 +1,4 @@
-//! Robots in three dimensions, as cameras on other robots see them.
+//! Draws robots in three dimensions, as cameras on other robots see them.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -12,16 +12,17 @@ use crate::robot::RobotModel;
 use crate::trial::TrialRobot;
 use crate::view::TrialPalette;
 
-/// Clearance between a body and the floor as a share of the wheels' radius.
+/// The clearance between a body and the floor, as a fraction of the radius of the wheels.
 const CLEARANCE: f32 = 0.4;
 
-/// Height of a laser's housing below and above its plane in metres.
+/// The height of the housing of a laser below and above the plane of the laser in metres.
 const HOUSING: [f32; 2] = [0.08, 0.03];
 
-/// Draws robots in three dimensions, for `Camera3d`: body, laser and wheels, in the colours of [`TrialPalette`]. Their
-/// sizes are those of the model; the wheels, and where the body ends below the laser, are guessed.
+/// Draws robots in three dimensions, for `Camera3d`: body, laser and wheels, in the colours of
+/// [`TrialPalette`]. The sizes are those of the model, except that the wheels, and the top of the body below
+/// the laser, are estimated.
 ///
-/// Needs Bevy's plugins for meshes and `StandardMaterial`s; without them it draws nothing.
+/// Needs Bevy's plugins for meshes and `StandardMaterial`s, and draws nothing without them.
 ///
 /// ```
 /// use bevy::prelude::*;
@@ -51,7 +52,7 @@ impl Plugin for RobotVisuals3dPlugin {
     }
 }
 
-/// What a mesh below a robot is.
+/// A component with the part of a robot that a mesh shows, on a child of the robot.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub enum RobotPart {
@@ -63,12 +64,13 @@ pub enum RobotPart {
     Wheel,
 }
 
-/// The meshes that draw a robot.
+/// A component with the meshes that draw a robot.
 #[derive(Component)]
 #[component(clone_behavior = Ignore)]
 struct DrawnParts(Vec<Entity>);
 
-/// Despawns the meshes that came out of a scene, or as clones, together with their robot, which has got its own.
+/// Despawns the meshes that were spawned from a scene, or cloned, together with their robot, which has meshes
+/// of its own.
 fn remove_clones(
     added: Query<(Entity, &ChildOf), Added<RobotPart>>,
     robots: Query<&DrawnParts>,
@@ -79,7 +81,7 @@ fn remove_clones(
             && !drawn.0.contains(&part)
         {
             commands.entity(part).try_despawn();
-            // The children that a scene lists may have replaced them.
+            // The list of children in a scene may have replaced the new children.
             for &drawn in &drawn.0 {
                 commands.entity(drawn).try_insert(ChildOf(below.parent()));
             }
@@ -87,7 +89,7 @@ fn remove_clones(
     }
 }
 
-/// Draws a robot, again when its model is replaced.
+/// Draws a robot when its model is inserted or replaced.
 fn draw(
     inserted: On<Insert, RobotModel>,
     robots: Query<(&RobotModel, Option<&TrialRobot>, Option<&Children>)>,
@@ -126,7 +128,7 @@ fn draw(
     commands.entity(inserted.entity).try_insert(drawn);
 }
 
-/// The bodies of a robot that is on the floor, with its centre at the origin and ahead along x.
+/// Returns the bodies of a robot on the floor, with its centre at the origin and its heading along x.
 fn bodies(robot: &Robot) -> Vec<(RobotPart, Mesh, Transform)> {
     let (length, width) = (robot.length as f32, robot.width as f32);
     let (height, plane) = (robot.height as f32, robot.laser_mount.height as f32);
@@ -206,7 +208,7 @@ mod tests {
             laser_mount: LaserMount { height: 0.17, ..LaserMount::default() },
             ..Robot::default()
         };
-        // A laser on a mast.
+        // A robot with a laser on a mast.
         let mast = LaserMount { height: 1.2, ..LaserMount::default() };
         let mast = Robot { laser_mount: mast, ..Robot::default() };
         for robot in [Robot::default(), disc, mast] {

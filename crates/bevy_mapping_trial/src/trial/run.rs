@@ -1,4 +1,4 @@
-//! The systems of trials.
+//! The systems that run trials.
 
 use bevy::prelude::*;
 use bevy_envgen::scenario::RestartScenario;
@@ -23,7 +23,7 @@ use crate::robot::{
     WheelOdometry,
 };
 
-/// Relative differences of steps and scales below this are rounding.
+/// Relative differences of time steps and scales below this value are due to rounding.
 const TOLERANCE: f64 = 1e-5;
 
 /// A trial and its environment.
@@ -41,7 +41,7 @@ type Asked = (
     ),
 );
 
-/// Begins trials whose worlds are ready, and begins those again whose worlds or scenarios have changed.
+/// Begins trials whose worlds are ready, and restarts trials whose worlds or scenarios have changed.
 pub(super) fn begin(
     mut trials: Query<Asked>,
     fixed: Res<Time<Fixed>>,
@@ -57,7 +57,7 @@ pub(super) fn begin(
         let suits = check(&fixed, rapier.as_deref(), transform);
         let stays = match &trial.state {
             State::Waiting | State::Endless => false,
-            // What did not suit it may have been corrected.
+            // The time steps or the scale may have been corrected since.
             State::Failed { place: known, suited } => {
                 known.is(&place) && (*suited || suits.is_err())
             }
@@ -80,7 +80,7 @@ pub(super) fn begin(
         }
         dismiss(trial.robots(), &mut commands);
         trial.state = State::Waiting;
-        // When another world failed, the previous one is still spawned.
+        // If another world has failed, the previous one is still spawned.
         if !matches!(state, EnvironmentState::Ready | EnvironmentState::Failed) {
             continue;
         }
@@ -91,7 +91,7 @@ pub(super) fn begin(
             is_ready.then(|| start(&trial, &place.world, moving.as_deref())).transpose()
         });
         match checked {
-            // In a later tick.
+            // The trial begins in a later tick.
             Ok(None) => {}
             Ok(Some(mut placed)) => {
                 let robots = spawn(&mut commands, (entity, *origin), transform, &mut placed);
@@ -117,7 +117,7 @@ pub(super) fn begin(
     }
 }
 
-/// Reports trials that wait in worlds without an end.
+/// Reports trials that wait in endless worlds.
 pub(super) fn refuse_endless(
     mut trials: Query<(Entity, &mut MappingTrial), With<EndlessTruth>>,
     mut commands: Commands,
@@ -133,7 +133,7 @@ pub(super) fn refuse_endless(
     }
 }
 
-/// Lets a scenario go on that a trial held.
+/// Resumes a scenario that a trial has paused.
 fn release(moving: Option<&mut ScenarioRun>) {
     if let Some(moving) = moving {
         moving.set_paused(false);
@@ -147,8 +147,8 @@ impl Place {
     }
 }
 
-/// Prepares the scenario of an environment for a trial: that of its log, at its start, waiting for the robots.
-/// Whether the trial can begin.
+/// Prepares the scenario of an environment for a trial. A replay needs the scenario of its log. The scenario
+/// must be at its beginning, paused until the robots are ready. Returns whether the trial can begin.
 fn prepare(
     ask: &Request,
     request: Option<&EnvironmentScenario>,
@@ -174,7 +174,7 @@ fn prepare(
         }
     }
     let is_replay = matches!(ask, Request::Replay(_));
-    // A program may command doors before the first tick.
+    // An app may command doors before the first tick.
     let waits = |moving: &ScenarioRun| {
         let is_ours = !is_replay || moving.ignores_commands();
         moving.is_paused() && moving.state().tick() == 0 && is_ours
@@ -184,7 +184,7 @@ fn prepare(
         (_, _, Some(failure)) => Err(failure.0.clone().into()),
         (_, Some(moving), None) if waits(moving) => Ok(true),
         (_, Some(moving), None) => {
-            // With other entities, so that rapier remembers nothing of them.
+            // The scenario is restarted with new entities, so that rapier has no memory of the old ones.
             moving.set_paused(true);
             moving.set_ignores_commands(is_replay);
             root.trigger(|entity| RestartScenario { entity });
@@ -194,7 +194,7 @@ fn prepare(
     }
 }
 
-/// Checks that the time steps and the environment's transform suit a trial.
+/// Checks that the time steps and the transform of the environment are valid for a trial.
 fn check(
     fixed: &Time<Fixed>,
     rapier: Option<&TimestepMode>,
@@ -223,7 +223,7 @@ fn check_scale(transform: &GlobalTransform) -> Result<(), MappingTrialError> {
     Ok(())
 }
 
-/// A trial with its robots at their starts.
+/// Creates a trial with its robots at their start poses.
 fn start(
     trial: &MappingTrial,
     world: &envgen::World,
@@ -270,7 +270,7 @@ fn spawn(
                     .with_smoke_draws(settings.seed.0, index as u64),
                 WheelOdometry::with_sensor(odometry),
                 place,
-                // Bevy updates it once per frame, but rapier reads it in this tick.
+                // Bevy propagates it only once per frame, but rapier reads it in this tick.
                 frame.mul_transform(place),
                 ChildOf(entity),
             );
@@ -279,7 +279,7 @@ fn spawn(
         .collect()
 }
 
-/// Passes what the robots sensed to their trials, and commands the robots.
+/// Passes what the robots have sensed to their trials, and commands the robots.
 pub(super) fn command(
     mut trials: Query<(
         Entity,
@@ -323,17 +323,17 @@ pub(super) fn command(
     }
 }
 
-/// Gives doors the log's commands for the next tick. They ignore all others.
+/// Gives doors the commands of the log for the next tick. Doors ignore all other commands.
 fn replay_doors(log: &TrialLog, moving: &mut ScenarioRun) {
     let (given, tick) = (log.door_commands(), moving.state().tick());
     let first = given.partition_point(|given| given.tick < tick);
     for given in given[first..].iter().take_while(|given| given.tick == tick) {
-        // A log that was read names doors of its scenario.
+        // A log that was read names only doors of its scenario.
         moving.replay_door(given.door, given.command).ok();
     }
 }
 
-/// The log's commands for the next tick; `None` at its end.
+/// Returns the commands of the log for the next tick, or `None` at the end of the log.
 fn replayed(log: &TrialLog, run: &mut Run) -> Option<Vec<Command>> {
     let Run { trial, script, .. } = run;
     if script.first().is_some_and(|track| track.len() > 0) {
@@ -345,13 +345,13 @@ fn replayed(log: &TrialLog, run: &mut Run) -> Option<Vec<Command>> {
     if log.ends.iter().any(|end| stopped(end.map(|end| end.reason))) {
         trial.stop();
     } else if log.ends.iter().all(Option::is_some) {
-        // The last observation, after which no robot had a command.
+        // This is the last observation, after which no robot got a command.
         trial.command(Some(&[]));
     }
     None
 }
 
-/// The components that hold what a robot sensed.
+/// The components with what a robot has sensed.
 type Sensed = (
     &'static TruePose,
     &'static Bumper,
@@ -361,7 +361,7 @@ type Sensed = (
     &'static mut Battery,
 );
 
-/// A trial that is recorded.
+/// A trial that is being recorded.
 type Recorded = (
     Entity,
     &'static mut MappingTrial,
@@ -370,7 +370,7 @@ type Recorded = (
     Option<&'static mut ScenarioRun>,
 );
 
-/// Stores what the robots sensed in their trials.
+/// Stores what the robots have sensed in their trials.
 pub(super) fn record(
     mut trials: Query<Recorded>,
     mut robots: Query<Sensed, With<TrialRobot>>,
@@ -384,7 +384,7 @@ pub(super) fn record(
             continue;
         }
         if warming && run.robots.iter().any(|&robot| commands.get_entity(robot).is_err()) {
-            // It begins again.
+            // A robot was despawned before the trial has started, so the trial begins again.
             dismiss(&run.robots, &mut commands);
             *state = State::Waiting;
             continue;
@@ -443,7 +443,7 @@ pub(super) fn record(
     }
 }
 
-/// A pose of rapier's frame in the frame of the world.
+/// Converts a pose from the frame of rapier's world to the frame of the environment's world.
 pub(crate) fn in_world(pose: &TruePose, to_world: &bevy::math::DAffine3, origin: DVec2) -> Pose {
     let position = to_world.transform_point3(pose.position.extend(0.0)).truncate();
     let turn = to_world.matrix3.x_axis;
@@ -451,7 +451,8 @@ pub(crate) fn in_world(pose: &TruePose, to_world: &bevy::math::DAffine3, origin:
     Pose { position: position + origin, heading: envgen::geometry::wrap_angle(heading) }
 }
 
-/// Despawns the robots of a trial whose environment loses its world. It begins again when there is one.
+/// Despawns the robots of a trial when its environment loses its world. The trial begins again when there is
+/// a world.
 pub(super) fn lose_world(
     lost: On<Remove, GroundTruth>,
     mut trials: Query<&mut MappingTrial>,
@@ -464,7 +465,7 @@ pub(super) fn lose_world(
     }
 }
 
-/// Despawns the robots of a removed trial, and lets the scenario go on that waited for it.
+/// Despawns the robots of a removed trial, and resumes the scenario that waited for it.
 pub(super) fn leave(
     gone: On<Discard, MappingTrial>,
     trials: Query<&MappingTrial>,
@@ -481,8 +482,8 @@ pub(super) fn leave(
     dismiss(trial.robots(), &mut commands);
 }
 
-/// Despawns robots, the last first: rapier gives their places to the next robots, the last place first, so that these
-/// have the same order, on which results depend in the last bit where robots touch.
+/// Despawns robots in reverse order: rapier reuses the freed indices last in, first out, so that the next
+/// robots get the same order, on which the last bits of results depend when robots touch each other.
 fn dismiss(robots: &[Entity], commands: &mut Commands<'_, '_>) {
     for &robot in robots.iter().rev() {
         if let Ok(mut robot) = commands.get_entity(robot) {

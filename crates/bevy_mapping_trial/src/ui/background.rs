@@ -1,11 +1,11 @@
-//! Computations on other threads, of which the last request counts.
+//! Computations in the background, of which only the last request counts.
 
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, Task, TaskPool};
 
-/// A computation for the last of many requests, which may come faster than results.
+/// A computation for the last of many requests, which may arrive faster than results.
 ///
-/// At most one is running. What is requested meanwhile waits, and only the last request of it begins.
+/// At most one computation runs at a time. Of the requests that arrive meanwhile, only the last is computed.
 #[derive(Debug)]
 pub(super) struct Background<K, T> {
     running: Option<(K, Task<T>)>,
@@ -19,7 +19,8 @@ impl<K, T> Default for Background<K, T> {
 }
 
 impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> Background<K, T> {
-    /// Takes what is ready, and begins `wanted` unless it is running or done. To be called every frame.
+    /// Takes a result that is ready, and starts to compute `wanted` unless it is running or done. Must be
+    /// called in every frame.
     pub(super) fn advance(&mut self, wanted: Option<&K>, make: fn(&K) -> T) {
         if let Some((_, task)) = &mut self.running
             && let Some(result) = check_ready(task)
@@ -38,12 +39,12 @@ impl<K: Clone + PartialEq + Send + 'static, T: Send + 'static> Background<K, T> 
         }
     }
 
-    /// The result for exactly this request.
+    /// Returns the result for exactly this request.
     pub(super) fn of(&self, wanted: &K) -> Option<&T> {
         self.done.as_ref().filter(|(key, _)| key == wanted).map(|(_, result)| result)
     }
 
-    /// The last result, which may be of an earlier request.
+    /// Returns the last result, which may be that of an earlier request.
     pub(super) fn last(&self) -> Option<&(K, T)> {
         self.done.as_ref()
     }
@@ -56,7 +57,7 @@ mod tests {
 
     use super::*;
 
-    /// What was computed, in order.
+    /// The requests that were computed, in order.
     static COMPUTED: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
     fn square(n: &u32) -> u32 {
@@ -77,7 +78,8 @@ mod tests {
         }
         assert_eq!(background.last(), Some(&(100, 10_000)));
         let computed = COMPUTED.lock().expect("no panic");
-        // The first is being made before the others are requested; some may be begun between two requests.
+        // The first computation is running before the others are requested, and some may start between two
+        // requests.
         assert!(computed.len() < 10 && computed.last() == Some(&100), "{computed:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! One setting as it is edited.
+//! A setting that is being edited.
 
 use bevy_egui::egui::{ComboBox, DragValue, Slider, SliderClamping, TextEdit, Ui};
 use envgen::serde_json::Value;
@@ -9,22 +9,22 @@ use super::widgets::{error, group, row};
 /// The widest range for which a slider is precise enough.
 const SLIDER_RANGE: f64 = 20.0;
 
-/// One setting as it is edited: a text in the syntax of `--set`.
+/// A setting that is being edited, as text in the syntax of `--set`.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
     pub(super) setting: &'static Setting,
     pub(super) text: String,
     /// Whether the setting may be absent.
     optional: bool,
-    /// What is reached of the setting, if it is a dial of measured difficulty.
+    /// The interval that is within reach, if the setting is a dial of measured difficulty.
     pub(super) reached: Option<[f64; 2]>,
-    /// Whether that is shown: the dial is requested.
+    /// Whether that interval is shown, which is the case if the dial is requested.
     pub(super) requested: bool,
     pub(super) error: Option<String>,
 }
 
 impl Draft {
-    /// A setting of some settings by their names.
+    /// Creates the draft of a setting from values by name.
     pub(super) fn new(setting: &'static Setting, values: &Value, optional: bool) -> Self {
         Draft {
             setting,
@@ -36,12 +36,12 @@ impl Draft {
         }
     }
 
-    /// Whether it is the setting of a name.
+    /// Returns whether the draft is that of the setting with a given name.
     pub(super) fn is_of(&self, name: &str) -> bool {
         self.setting.name == name
     }
 
-    /// Draws the setting; true when its text has changed.
+    /// Draws the setting. Returns true if its text has changed.
     pub(super) fn show(&mut self, ui: &mut Ui) -> bool {
         let first = self.first_value();
         let Draft { setting, text, optional, .. } = self;
@@ -68,7 +68,8 @@ impl Draft {
         before != self.text
     }
 
-    /// The value of an absent setting when it is ticked: of a dial, the middle of what is reached.
+    /// Returns the value of an absent setting when it is ticked. For a dial it is the middle of what is
+    /// within reach.
     pub(super) fn first_value(&self) -> String {
         match (self.setting.allowed, self.reached) {
             (Allowed::Number { min, max }, Some([least, most])) => {
@@ -83,7 +84,7 @@ impl Draft {
     }
 }
 
-/// Draws the settings of a group, or those without one; true when a text has changed.
+/// Draws the settings of a group, or those without one. Returns true if a text has changed.
 pub(super) fn show_group(ui: &mut Ui, drafts: &mut [Draft], group: Option<&str>) -> bool {
     let mut changed = false;
     for draft in drafts.iter_mut().filter(|draft| draft.setting.group == group) {
@@ -92,8 +93,8 @@ pub(super) fn show_group(ui: &mut Ui, drafts: &mut [Draft], group: Option<&str>)
     changed
 }
 
-/// Draws every group below a header of its own, closed at first; true when a text has changed. A group with an error
-/// has another colour, so that the error is found.
+/// Draws every group below a header of its own, which is closed at first. Returns true if a text has changed.
+/// The header of a group with an error has another colour, so that the error can be found.
 pub(super) fn show_groups(ui: &mut Ui, drafts: &mut [Draft]) -> bool {
     let mut names: Vec<&str> = Vec::new();
     for name in drafts.iter().filter_map(|draft| draft.setting.group) {
@@ -109,18 +110,18 @@ pub(super) fn show_groups(ui: &mut Ui, drafts: &mut [Draft]) -> bool {
     changed
 }
 
-/// Whether any of the settings has an error.
+/// Returns whether any of the settings has an error.
 pub(super) fn has_error<'a>(drafts: impl IntoIterator<Item = &'a Draft>) -> bool {
     drafts.into_iter().any(|draft| draft.error.is_some())
 }
 
-/// What a setting does and what it can be.
+/// Returns what a setting does and which values are allowed.
 pub(super) fn help(setting: &Setting) -> String {
     let unit = if setting.unit.is_empty() { "" } else { " " };
     format!("{}\n{}{unit}{}", setting.help, setting.allowed_text(), setting.unit)
 }
 
-/// Edits a value with a widget that suits its type.
+/// Draws a widget for a value that suits its type.
 fn edit(ui: &mut Ui, setting: &Setting, text: &mut String) {
     let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
     match setting.allowed {
@@ -148,14 +149,15 @@ fn edit(ui: &mut Ui, setting: &Setting, text: &mut String) {
     }
 }
 
-/// A slider for narrow ranges and a drag value for wide ones. Both accept any typed number; errors
+/// Draws a slider for narrow ranges or a drag value for wide ones. Both accept any typed number, and errors
 /// are shown below.
 fn edit_number(ui: &mut Ui, text: &mut String, (min, max): (f64, f64), unit: &str, whole: bool) {
     let Ok(mut value) = text.parse::<f64>() else {
         ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY));
         return;
     };
-    // A field that is left writes what it shows: all digits, so that nothing changes.
+    // A field that loses the focus writes what it shows. It shows all digits, so that the value does not
+    // change.
     let exact = |value: f64, _| value.to_string();
     let decimals = if whole { 0 } else { 6 };
     let response = if max - min <= SLIDER_RANGE {

@@ -6,10 +6,10 @@ use thiserror::Error;
 
 use super::widgets::{error, row};
 
-/// The ratings in the form's order.
+/// The ratings in the order of the form.
 const RATINGS: [&str; 3] = [questions::DIFFICULTY, questions::MAPPING, questions::GETTING_AROUND];
 
-/// The open questions in the form's order.
+/// The open questions in the order of the form.
 const OPEN: [&str; 5] = [
     questions::CONTRIBUTED,
     questions::DIFFICULT_ROOMS,
@@ -18,7 +18,7 @@ const OPEN: [&str; 5] = [
     questions::OTHER,
 ];
 
-/// A required rating that is missing.
+/// An error for a required rating that is missing.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("not answered yet: {question}")]
 pub struct Unanswered {
@@ -26,26 +26,26 @@ pub struct Unanswered {
     pub question: &'static str,
 }
 
-/// The form of Zwennes (2011), appendix B, and two further questions, as it is filled in. The open
-/// questions may stay empty. Ratings have no default, because a rating must be given by a person.
+/// A form with the questions of Zwennes (2011), appendix B, and two further questions, that is being filled
+/// in. The open questions may stay empty. Ratings have no default, because a person must give them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeedbackForm {
-    /// Name of the operator.
+    /// The name of the operator.
     pub name: String,
-    /// Experience as operator.
+    /// The experience as an operator.
     pub experience: Experience,
     /// The trial that the form is about.
     pub session: Session,
-    /// The ratings from 0 to 10: overall, mapping, navigation.
+    /// The ratings from 0 to 10: overall difficulty, mapping, navigation.
     pub ratings: [Option<f64>; 3],
-    /// Answers to the open questions, in the form's order.
+    /// The answers to the open questions, in the order of the form.
     pub answers: [String; 5],
-    /// Whether it was to be handed in before.
+    /// Whether the operator has already tried to hand in the form.
     is_tried: bool,
 }
 
 impl FeedbackForm {
-    /// An empty form for a session.
+    /// Creates an empty form for a session.
     pub fn new(session: Session) -> Self {
         FeedbackForm {
             name: String::new(),
@@ -57,10 +57,10 @@ impl FeedbackForm {
         }
     }
 
-    /// The answers of the filled form.
+    /// Returns the answers of the form.
     ///
     /// # Errors
-    /// The first missing rating.
+    /// Returns an error with the first missing rating.
     pub fn fill(&self) -> Result<Feedback, Unanswered> {
         let [contributed, difficult_rooms, easy_rooms, patterns, other] =
             self.answers.clone().map(|answer| answer.trim().to_owned());
@@ -84,8 +84,8 @@ impl FeedbackForm {
         value.ok_or(Unanswered { question: RATINGS[i] })
     }
 
-    /// Draws the form, in a scrolling area of at most `height` points; returns the answers when the
-    /// form is handed in.
+    /// Draws the form in a scroll area of at most `height` points. Returns the answers when the form is
+    /// handed in.
     pub fn show(&mut self, ui: &mut Ui, height: f32) -> Option<Feedback> {
         let mut filled = None;
         ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
@@ -162,7 +162,7 @@ impl FeedbackForm {
     }
 }
 
-/// A rating, which is `None` until it is given.
+/// Draws a rating, which is `None` until it is given.
 fn rate(ui: &mut Ui, rating: &mut Option<f64>) {
     ui.horizontal(|ui| {
         let mut value = rating.unwrap_or(5.0);

@@ -1,16 +1,16 @@
-//! Commands from keys and gamepads.
+//! Commands from keyboards and gamepads.
 
 use bevy::input::gamepad::Gamepad;
 use bevy::prelude::*;
 use mapping_trial::backend::Command;
 use mapping_trial::robot::Robot;
 
-/// Stick deflections below this share count as zero.
+/// Stick deflections below this fraction count as zero.
 const REST: f32 = 0.12;
 
-/// The command of a person to the driven robot: from W, A, S, D or the arrows, and the left sticks
-/// of all gamepads, whichever is larger. Forwards and left are positive. Full deflection gives the
-/// robot's maximum speed and turn rate.
+/// Returns the command of an operator to the driven robot, from the keys W, A, S, D or the arrow keys, and
+/// from the left sticks of all gamepads, whichever is larger. Forwards and left are positive. Full deflection
+/// gives the maximum speed and turn rate of the robot.
 pub fn command_of<'a>(
     keys: &ButtonInput<KeyCode>,
     pads: impl IntoIterator<Item = &'a Gamepad>,

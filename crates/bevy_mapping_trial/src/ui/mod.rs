@@ -1,8 +1,8 @@
-//! egui panels for specs, trials, scores and the feedback form.
+//! Panels in egui for specs, trials, scores and the feedback form.
 //!
-//! Each panel is a plain type with the data that it edits, and a `show` that draws it into any
-//! [`egui::Ui`] and returns what the person asks for. No panel depends on a window, so all can be
-//! tested without one. An app calls them from a system in `EguiPrimaryContextPass`.
+//! Each panel is a plain type with the data that it edits. Its method `show` draws it into any [`egui::Ui`]
+//! and returns what the user has requested. No panel depends on a window, so all can be tested without one.
+//! An app calls them from a system in `EguiPrimaryContextPass`.
 //!
 //! | panel | edits or shows | returns |
 //! |---|---|---|

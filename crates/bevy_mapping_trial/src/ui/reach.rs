@@ -1,18 +1,18 @@
-//! What maps of the profile `calibrated` reach, and whether a request is within it.
+//! The dials that maps of the profile `calibrated` can reach, and whether a request is within reach.
 
 use envgen::calibration::Dials;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::{SpecError, WorldSpec};
 
-/// What the last spec reaches, kept until a setting that matters for it changes.
+/// The dials that are within reach of the last spec, kept until a setting changes on which they depend.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Reach {
     last: Option<(IndoorSpec, Dials<[f64; 2]>)>,
 }
 
 impl Reach {
-    /// What maps reach that have the settings of a valid spec; `None` for those that no difficulty can be
-    /// requested of.
+    /// Returns the dials that maps with the settings of a valid spec can reach, or `None` for specs without a
+    /// requested difficulty.
     pub(super) fn update(&mut self, spec: &WorldSpec) -> Option<Dials<[f64; 2]>> {
         let base = base(spec)?;
         if self.last.as_ref().is_none_or(|(last, _)| *last != base) {
@@ -22,7 +22,7 @@ impl Reach {
         self.last.as_ref().map(|(_, reached)| *reached)
     }
 
-    /// Refuses a valid spec that requests what its maps do not reach.
+    /// Returns an error if a valid spec requests what its maps cannot reach.
     pub(super) fn check(&self, spec: &WorldSpec) -> Result<(), SpecError> {
         let (WorldSpec::Indoor(indoor), Some(base)) = (spec, base(spec)) else { return Ok(()) };
         let last = self.last.as_ref().filter(|(last, _)| *last == base);
@@ -31,7 +31,7 @@ impl Reach {
     }
 }
 
-/// The spec without its request: what is reached depends on the rest.
+/// Returns the spec without its request, since what is within reach depends only on the rest.
 fn base(spec: &WorldSpec) -> Option<IndoorSpec> {
     let WorldSpec::Indoor(spec) = spec else { return None };
     (spec.profile == Profile::Calibrated).then(|| IndoorSpec {

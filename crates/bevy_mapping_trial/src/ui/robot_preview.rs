@@ -1,4 +1,5 @@
-//! A drawing of the robot of a trial: its laser's field of view to scale, its body with sizes in metres.
+//! A drawing of the robot of a trial: the field of view of its laser to scale, and its body with sizes in
+//! metres.
 
 use std::f32::consts::TAU;
 
@@ -15,15 +16,15 @@ use mapping_trial::trial::TrialSettings;
 
 use super::colors::PAGE;
 
-/// Points between the drawings and the edges.
+/// The points between the drawings and the edges.
 const MARGIN: f32 = 24.0;
-/// Points between drawings.
+/// The points between drawings.
 const GAP: f32 = 32.0;
-/// Share of the height that the two views of the body take.
+/// The fraction of the height that the two views of the body take.
 const BODY_SHARE: f32 = 0.4;
-/// Points at the left and right, and above and below a view of the body, for its dimensions.
+/// The points to the left and right of a view of the body, and above and below it, for its dimensions.
 const DIMENSIONS: [Vec2; 2] = [vec2(68.0, 8.0), vec2(44.0, 36.0)];
-/// Points of the longest arc piece of a fan.
+/// The length in points of the longest segment of an arc.
 const ARC_STEP: f32 = 4.0;
 
 const INK: Color32 = Color32::from_gray(40);
@@ -32,12 +33,12 @@ const BODY: Color32 = {
     let [red, green, blue] = palette::VERMILION.0;
     Color32::from_rgb(red, green, blue)
 };
-/// What the laser sees: the colour of the body, lighter.
+/// The area that the laser sees, in a lighter tone of the colour of the body.
 const BEAMS: Color32 = Color32::from_rgb(0xfb, 0xe9, 0xda);
 
-/// Draws the robot of a trial into all of the space that is left: the laser's range and field of view with the robot
-/// in it, to scale; the robot from above and from the side with its sizes in metres; what it measures and how fast it
-/// is.
+/// Draws the robot of a trial into all of the remaining space: the range and the field of view of the laser
+/// with the robot in it, to scale; the robot from above and from the side with its sizes in metres; and its
+/// sensors and speeds.
 ///
 /// ```
 /// use bevy_mapping_trial::ui::{egui, robot_preview};
@@ -73,11 +74,11 @@ pub fn robot_preview(ui: &mut Ui, name: &str, settings: &TrialSettings) {
     draw_bodies(&painter, bodies, settings);
 }
 
-/// Where metres are on the screen: x is ahead and drawn upwards, y is to the left.
+/// Converts metres to points on the screen. Forward is up, and x is ahead and y to the left of the robot.
 struct Plan {
-    /// The place of the robot's centre.
+    /// The position of the robot's centre on the screen.
     centre: Pos2,
-    /// Points per metre.
+    /// The number of points per metre.
     scale: f32,
 }
 
@@ -87,13 +88,13 @@ impl Plan {
     }
 }
 
-/// The field of view to scale, with circles of round ranges, and the robot in it.
+/// Draws the field of view to scale, with circles at round ranges, and the robot in it.
 fn draw_sight(painter: &Painter, area: Rect, robot: &Robot, laser: &LaserProfile) {
     let (range, half) = (laser.max_range as f32, 0.5 * laser.field_of_view as f32);
     let mount = robot.laser_mount;
     let (heading, from) =
         (mount.heading as f32, vec2(robot.laser_offset as f32, mount.left as f32));
-    // What must fit, in metres from the robot's centre: the arc, the laser and the robot.
+    // The area that must be visible, in metres from the robot's centre: the arc, the laser and the robot.
     let radius = robot.circumscribed_radius as f32;
     let mut needed = Rect::from_center_size(Pos2::ZERO, Vec2::splat(2.0 * radius));
     needed.extend_with(from.to_pos2());
@@ -101,7 +102,7 @@ fn draw_sight(painter: &Painter, area: Rect, robot: &Robot, laser: &LaserProfile
         let angle = heading - half + 2.0 * half * step as f32 / 64.0;
         needed.extend_with((from + range * Vec2::angled(angle)).to_pos2());
     }
-    // On the screen, x is to the left and y upwards. Texts go beside the arc.
+    // On the screen, x is to the left and y upwards. The texts are beside the arc.
     let size = vec2(needed.height(), needed.width());
     let room = area.shrink2(vec2(64.0, 18.0));
     let scale = (room.size() / size).min_elem();
@@ -113,7 +114,7 @@ fn draw_sight(painter: &Painter, area: Rect, robot: &Robot, laser: &LaserProfile
         laser_at - scale * radius * vec2(direction.y, direction.x)
     };
 
-    // A fan of triangles, since fields of view of more than 180 degrees are not convex.
+    // A fan of triangles is used, since fields of view of more than 180 degrees are not convex.
     let steps = ((2.0 * half * range * scale / ARC_STEP) as usize).clamp(8, 720);
     let angle = |step: usize| -half + 2.0 * half * step as f32 / steps as f32;
     let mut fan = Mesh::default();
@@ -149,7 +150,7 @@ fn draw_sight(painter: &Painter, area: Rect, robot: &Robot, laser: &LaserProfile
     draw_body(painter, &plan, robot);
 }
 
-/// The body from above.
+/// Draws the body from above.
 fn draw_body(painter: &Painter, plan: &Plan, robot: &Robot) {
     let (half_length, half_width) = (0.5 * robot.length as f32, 0.5 * robot.width as f32);
     let stroke = Stroke::new(1.0, INK);
@@ -176,7 +177,7 @@ fn draw_body(painter: &Painter, plan: &Plan, robot: &Robot) {
     painter.add(Shape::convex_polygon(head.to_vec(), INK, Stroke::NONE));
 }
 
-/// The body from above and from the side, to one scale, and what else is known of it.
+/// Draws the body from above and from the side, to the same scale, and the facts about the robot.
 fn draw_bodies(painter: &Painter, area: Rect, settings: &TrialSettings) {
     let robot = &settings.body;
     let third = (area.width() - 2.0 * GAP) / 3.0;
@@ -204,7 +205,7 @@ fn draw_bodies(painter: &Painter, area: Rect, settings: &TrialSettings) {
     draw_facts(painter, column(2), settings);
 }
 
-/// The body from above with its length, width and the circle that it turns in.
+/// Draws the body from above with its length, its width and the circle in which it turns.
 fn draw_top(painter: &Painter, centre: Pos2, scale: f32, robot: &Robot) {
     let plan = Plan { centre, scale };
     let radius = scale * robot.circumscribed_radius as f32;
@@ -227,7 +228,7 @@ fn draw_top(painter: &Painter, centre: Pos2, scale: f32, robot: &Robot) {
     text(painter, above, Align2::CENTER_BOTTOM, &turns, 12.0, FAINT);
 }
 
-/// The body from the side on the ground, with its height and the plane of its laser.
+/// Draws the body from the side on the ground, with its height and the plane of its laser.
 fn draw_side(painter: &Painter, area: Rect, scale: f32, robot: &Robot) {
     let (length, height) = (scale * robot.length as f32, scale * robot.height as f32);
     let plane = scale * robot.laser_mount.height as f32;
@@ -247,7 +248,7 @@ fn draw_side(painter: &Painter, area: Rect, scale: f32, robot: &Robot) {
     dimension(painter, [pos2(left, body.top()), pos2(left, body.bottom())], robot.height);
 }
 
-/// What the robot measures and how fast it is.
+/// Draws the facts about the robot's speeds and sensors.
 fn draw_facts(painter: &Painter, area: Rect, settings: &TrialSettings) {
     let (robot, laser) = (&settings.body, &settings.laser);
     let scans = 1.0 / (TICK * f64::from(laser.ticks_a_scan));
@@ -272,7 +273,7 @@ fn caption(painter: &Painter, area: Rect, name: &str) {
     text(painter, area.min, Align2::LEFT_TOP, name, 14.0, FAINT);
 }
 
-/// A line between two points with a length in metres beside it.
+/// Draws a line between two points with a length in metres beside it.
 fn dimension(painter: &Painter, ends: [Pos2; 2], length: f64) {
     let stroke = Stroke::new(1.0, INK);
     let across = 4.0 * (ends[1] - ends[0]).normalized().rot90();
@@ -294,13 +295,13 @@ fn text(painter: &Painter, at: Pos2, align: Align2, text: &str, size: f32, color
     painter.text(at, align, text, FontId::proportional(size), color)
 }
 
-/// A length without needless decimals.
+/// Formats a length without trailing zeros.
 fn metres(length: f32) -> String {
     let text = format!("{length:.2}");
     format!("{} m", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// The round distance of which about four fit into a range.
+/// Returns the round distance that fits about four times into a range.
 fn round_step(range: f32) -> f32 {
     let steps = [0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
     steps.into_iter().find(|step| range / step <= 5.0).unwrap_or(50.0)

@@ -1,4 +1,4 @@
-//! The panel for what moves in a world: doors, people and smoke.
+//! The panel for the scenario of a world: doors, people and smoke.
 
 use bevy_egui::egui::Ui;
 use envgen::SpecError;
@@ -6,7 +6,7 @@ use envgen::scenario::ScenarioSpec;
 
 use super::draft::{Draft, has_error, show_group, show_groups};
 
-/// The settings of doors, people and smoke as they are edited.
+/// The settings of doors, people and smoke, which are being edited.
 ///
 /// ```
 /// use bevy_mapping_trial::ui::ScenarioForm;
@@ -24,14 +24,14 @@ pub struct ScenarioForm {
 }
 
 impl ScenarioForm {
-    /// A form that holds settings.
+    /// Creates a form with the given settings.
     pub fn new(spec: &ScenarioSpec) -> Self {
         let values = spec.settings_json();
         let draft = |setting| Draft::new(setting, &values, false);
         ScenarioForm { drafts: ScenarioSpec::SETTINGS.iter().map(draft).collect() }
     }
 
-    /// Sets one setting from text, in the syntax of `--set`. Names that do not exist are ignored.
+    /// Sets one setting from text, in the syntax of `--set`. Unknown names are ignored.
     pub fn set(&mut self, name: &str, text: &str) {
         if let Some(draft) = self.drafts.iter_mut().find(|draft| draft.is_of(name)) {
             text.clone_into(&mut draft.text);
@@ -39,15 +39,15 @@ impl ScenarioForm {
         }
     }
 
-    /// The error that is shown below a setting.
+    /// Returns the error that is shown below a setting.
     pub fn error_of(&self, name: &str) -> Option<&str> {
         self.drafts.iter().find(|draft| draft.is_of(name))?.error.as_deref()
     }
 
-    /// The settings in the form.
+    /// Returns the settings in the form.
     ///
     /// # Errors
-    /// The first setting that is out of range, with its value and the allowed range.
+    /// Returns an error with the first setting that is out of range, its value and the allowed range.
     pub fn request(&self) -> Result<ScenarioSpec, SpecError> {
         let mut spec = ScenarioSpec::default();
         for draft in &self.drafts {
@@ -57,7 +57,7 @@ impl ScenarioForm {
         Ok(spec)
     }
 
-    /// Draws the settings that people change first: how many doors, people and how much smoke.
+    /// Draws the settings that users change first: the numbers of doors and people, and the amount of smoke.
     pub fn show(&mut self, ui: &mut Ui) {
         if show_group(ui, &mut self.drafts, None) {
             self.check();
@@ -71,12 +71,12 @@ impl ScenarioForm {
         }
     }
 
-    /// Whether one of the settings that are in a group has an error.
+    /// Returns whether one of the settings in groups has an error.
     pub(super) fn has_error_in_groups(&self) -> bool {
         has_error(self.drafts.iter().filter(|draft| draft.setting.group.is_some()))
     }
 
-    /// Shows each error below its setting.
+    /// Updates the error below each setting.
     fn check(&mut self) {
         for draft in &mut self.drafts {
             let mut spec = ScenarioSpec::default();

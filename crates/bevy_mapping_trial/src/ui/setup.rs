@@ -12,33 +12,33 @@ use super::scenario::ScenarioForm;
 use super::spec::{SpecAction, SpecForm};
 use super::widgets::{error, group, row};
 
-/// The entry for a person in the list of exploration policies.
+/// The entry for an operator in the list of exploration policies.
 const PERSON: &str = "a person";
 
-/// The settings of a trial, before it begins.
+/// The settings of a trial before it begins, which are being edited.
 #[derive(Clone, Debug)]
 pub struct SetupForm {
     /// The settings.
     pub settings: TrialSettings,
-    /// What moves in the world.
+    /// The settings of the scenario.
     pub scenario: ScenarioForm,
     /// Whether the true world and the true poses are shown, for training.
     pub training: bool,
 }
 
 impl SetupForm {
-    /// The settings for a world of this seed.
+    /// Returns the settings for a world with this seed.
     ///
     /// # Errors
-    /// The first setting that is out of range.
+    /// Returns an error with the first setting that is out of range.
     pub fn request(&self, seed: Seed) -> Result<TrialSettings, SpecError> {
         let settings = TrialSettings { seed, ..self.settings.clone() };
         settings.validate()?;
         Ok(settings)
     }
 
-    /// Draws the settings of a trial and of its world by groups; those that people seldom change are in a group that
-    /// is closed at first.
+    /// Draws the settings of a trial and of its world by groups. Settings that users seldom change are in a
+    /// group that is closed at first.
     pub fn show(&mut self, ui: &mut Ui, world: &mut SpecForm) -> Option<SpecAction> {
         let mut action = None;
         group(ui, section("World"), true, false, |ui| action = world.show(ui));
@@ -54,7 +54,7 @@ impl SetupForm {
         action
     }
 
-    /// Draws the settings of the robots and of what they measure.
+    /// Draws the settings of the robots and of their sensors.
     fn show_robots(&mut self, ui: &mut Ui) {
         let settings = &mut self.settings;
         row(ui, "robots", &help(&TrialSettings::setting("robots")), |ui| {
@@ -81,10 +81,11 @@ impl SetupForm {
         choose(ui, "slam", &mut settings.slam);
         row(ui, "time limit", &help(&TrialSettings::setting("time_limit")), |ui| {
             match settings.time_per_area {
-                // It follows from the area of the world.
+                // The limit follows from the area of the world.
                 Some(seconds) => drop(ui.label(format!("{seconds} s/m²"))),
                 None => {
-                    // A field that is left writes what it shows: all digits, so that nothing changes.
+                    // A field that loses the focus writes what it shows. It shows all digits, so that the
+                    // value does not change.
                     let seconds = DragValue::new(&mut settings.time_limit)
                         .range(TICK..=MAX_TIME_LIMIT)
                         .custom_formatter(|value, _| value.to_string());
@@ -101,12 +102,12 @@ impl SetupForm {
     }
 }
 
-/// The name of a group, larger than those of the groups in it.
+/// Returns the name of a group, in a larger font than the names of the groups inside it.
 fn section(name: &str) -> RichText {
     RichText::new(name).size(15.0).color(Color32::WHITE)
 }
 
-/// A choice among the named values of a setting of trials.
+/// Draws a choice among the named values of a setting of trials.
 fn choose<T: Named>(ui: &mut Ui, name: &'static str, value: &mut T) {
     let shown = value.name().unwrap_or("custom");
     row(ui, name, TrialSettings::setting(name).help, |ui| {

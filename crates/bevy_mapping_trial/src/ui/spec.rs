@@ -1,7 +1,7 @@
-//! The panel for specs: every setting of every kind, with its limits.
+//! The panel for specs, with every setting of every kind of world and its limits.
 //!
-//! In the profile `calibrated` of indoor maps, the difficulty is the one that trials measure. What maps of
-//! the chosen size and settings reach is shown below each dial that is requested.
+//! In the profile `calibrated` of indoor maps, the difficulty is the one that trials measure. Below each dial
+//! that is requested, the panel shows the interval that maps with the current size and settings can reach.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -16,32 +16,32 @@ use super::draft::{Draft, has_error, show_group, show_groups};
 use super::reach::Reach;
 use super::widgets::{error, row};
 
-/// What a person did in the panel.
+/// What the user did in the panel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SpecAction {
-    /// The kind, the seed or a setting is another one: [`SpecForm::request`] has the new spec or its error.
+    /// The kind, the seed or a setting has changed: [`SpecForm::request`] returns the new spec or its error.
     Changed,
     /// The spec was written to this file.
     Saved(PathBuf),
 }
 
-/// A spec as it is edited: for each kind one text per setting, in the syntax of `--set`, so that
-/// switching to another kind and back loses nothing.
+/// A spec that is being edited. For each kind it has one text per setting, in the syntax of `--set`, so that
+/// nothing is lost when the user switches to another kind and back.
 #[derive(Clone, Debug)]
 pub struct SpecForm {
     kind: WorldKind,
     texts: BTreeMap<WorldKind, Vec<Draft>>,
     seed: Seed,
-    /// The seed as it is edited: a number of a widget has too few digits.
+    /// The text of the seed. A number in a widget would have too few digits.
     seed_text: String,
     file: String,
-    /// The last error of the disk, or one that no setting is named in.
+    /// The last error of the file system, or the last error that names no setting.
     failure: Option<String>,
     reach: Reach,
 }
 
 impl SpecForm {
-    /// A form that holds a spec and a seed.
+    /// Creates a form with the given spec and seed.
     pub fn new(spec: &WorldSpec, seed: Seed) -> Self {
         let texts = WorldKind::ALL.iter().map(|&kind| {
             let shown = if kind == spec.kind() { spec.clone() } else { Self::initial(kind) };
@@ -56,8 +56,8 @@ impl SpecForm {
         form
     }
 
-    /// What the form holds of a kind before anything is set: the defaults, but indoor maps of the profile
-    /// `calibrated`, whose difficulty is the one that trials measure.
+    /// Returns the spec that the form has for a kind before anything is set: the default spec, except that
+    /// indoor maps have the profile `calibrated`, whose difficulty is the one that trials measure.
     ///
     /// ```
     /// use bevy_mapping_trial::ui::SpecForm;
@@ -78,7 +78,7 @@ impl SpecForm {
         kind.default_spec()
     }
 
-    /// The kind that is edited.
+    /// Returns the kind that is being edited.
     pub fn kind(&self) -> WorldKind {
         self.kind
     }
@@ -93,13 +93,13 @@ impl SpecForm {
         self.check();
     }
 
-    /// The seed; while the text is not a number, the last one.
+    /// Returns the seed, or the last valid one if the text is not a number.
     pub fn seed(&self) -> Seed {
         self.seed
     }
 
-    /// Sets one setting of the kind from text, in the syntax of `--set`. Names that the kind does
-    /// not have are ignored.
+    /// Sets one setting of the current kind from text, in the syntax of `--set`. Names that the kind does not
+    /// have are ignored.
     pub fn set(&mut self, name: &str, text: &str) {
         let drafts = self.texts.get_mut(&self.kind);
         let draft = drafts.and_then(|drafts| drafts.iter_mut().find(|d| d.is_of(name)));
@@ -109,24 +109,24 @@ impl SpecForm {
         }
     }
 
-    /// The error that is shown below a setting.
+    /// Returns the error that is shown below a setting.
     pub fn error_of(&self, name: &str) -> Option<&str> {
         let draft = self.texts.get(&self.kind)?.iter().find(|d| d.is_of(name))?;
         draft.error.as_deref()
     }
 
-    /// What maps reach of a dial of measured difficulty, which is shown below its setting; `None` for other settings,
-    /// in other profiles, and where the dial is not requested.
+    /// Returns the interval that maps can reach of a dial of measured difficulty, which is shown below its
+    /// setting, or `None` for other settings, for other profiles, and if the dial is not requested.
     pub fn reached(&self, name: &str) -> Option<[f64; 2]> {
         let draft = self.texts.get(&self.kind)?.iter().find(|d| d.is_of(name))?;
         draft.reached.filter(|_| draft.requested)
     }
 
-    /// The spec and the seed in the form.
+    /// Returns the spec and the seed in the form.
     ///
     /// # Errors
-    /// The first setting that is out of range, or out of reach, with its value and the allowed range; a seed that is
-    /// not a number.
+    /// Returns an error with the first setting that is out of range or out of reach, its value and the
+    /// allowed range, or an error if the seed is not a number.
     pub fn request(&self) -> Result<(WorldSpec, Seed), SettingsError> {
         let mut spec = self.kind.default_spec();
         for draft in self.texts.get(&self.kind).into_iter().flatten() {
@@ -137,17 +137,18 @@ impl SpecForm {
         Ok((spec, self.seed_text.parse()?))
     }
 
-    /// Writes the spec as RON, completely or not at all.
+    /// Writes the spec to a file as RON. The file is written completely or not at all.
     ///
     /// # Errors
-    /// An invalid setting, or an error of the file system with the file's name.
+    /// Returns an error if a setting is invalid, or if the file system reports an error, with the name of the
+    /// file.
     pub fn save(&self, path: &Path) -> Result<(), String> {
         let (spec, _) = self.request().map_err(|error| error.to_string())?;
         let text = spec.to_ron() + "\n";
         whole_file::write(path, text.as_bytes()).map_err(|error| error.to_string())
     }
 
-    /// Draws the kind, the seed and the settings that people change first.
+    /// Draws the kind, the seed and the settings that users change first.
     pub fn show(&mut self, ui: &mut Ui) -> Option<SpecAction> {
         let kind = self.kind;
         let mut chosen = kind;
@@ -170,11 +171,11 @@ impl SpecForm {
         (edited || chosen != kind || seed_changed).then_some(SpecAction::Changed)
     }
 
-    /// Draws the seed, and returns whether its text is another one.
+    /// Draws the seed, and returns whether its text has changed.
     fn show_seed(&mut self, ui: &mut Ui) -> bool {
         let mut changed = false;
         row(ui, "seed", "Determines everything random in the world", |ui| {
-            // As wide as its digits.
+            // The field is as wide as its digits.
             let edit = TextEdit::singleline(&mut self.seed_text).desired_width(32.0);
             changed = ui.add(edit.clip_text(false)).changed();
             if ui.button("Next").on_hover_text("the next seed").clicked() {
@@ -194,7 +195,7 @@ impl SpecForm {
         self.edit(|drafts| show_groups(ui, drafts)).then_some(SpecAction::Changed)
     }
 
-    /// Draws what concerns the spec as a whole: back to the defaults, and into a file.
+    /// Draws the buttons that apply to the whole spec: back to the defaults, and save to a file.
     pub fn show_file(&mut self, ui: &mut Ui) -> Option<SpecAction> {
         let mut action = None;
         ui.horizontal(|ui| {
@@ -221,13 +222,13 @@ impl SpecForm {
         action
     }
 
-    /// Whether one of the settings that are in a group has an error.
+    /// Returns whether one of the settings in groups has an error.
     pub(super) fn has_error_in_groups(&self) -> bool {
         let drafts = self.texts.get(&self.kind).into_iter().flatten();
         has_error(drafts.filter(|draft| draft.setting.group.is_some()))
     }
 
-    /// Lets a panel edit the settings of the kind, and checks them when it has changed any.
+    /// Lets a panel edit the settings of the kind, and checks them if it has changed any.
     fn edit(&mut self, show: impl FnOnce(&mut [Draft]) -> bool) -> bool {
         let changed = self.texts.get_mut(&self.kind).is_some_and(|drafts| show(drafts));
         if changed {
@@ -236,7 +237,7 @@ impl SpecForm {
         changed
     }
 
-    /// Shows each error below the setting that it names, and what is reached.
+    /// Updates the error below each setting that has one, and the intervals that are within reach.
     fn check(&mut self) {
         let Some(drafts) = self.texts.get_mut(&self.kind) else { return };
         let mut spec = self.kind.default_spec();
@@ -256,7 +257,7 @@ impl SpecForm {
         });
         if let Err(error) = allowed {
             let SpecError { field, .. } = &error;
-            // Fields of lists are named such as `speeds[2]`.
+            // Elements of lists have names such as `speeds[2]`.
             let named = drafts.iter_mut().find(|draft| {
                 field
                     .strip_prefix(draft.setting.name)
@@ -270,7 +271,7 @@ impl SpecForm {
     }
 }
 
-/// Notes what is reached of each dial.
+/// Stores the interval that is within reach of each dial.
 fn show_reached(drafts: &mut [Draft], spec: &WorldSpec, reached: Option<Dials<[f64; 2]>>) {
     let (WorldSpec::Indoor(spec), Some(reached)) = (spec, reached) else { return };
     for (name, (wanted, interval)) in spec.request().0.zip(reached).named() {
@@ -282,7 +283,7 @@ fn show_reached(drafts: &mut [Draft], spec: &WorldSpec, reached: Option<Dials<[f
     }
 }
 
-/// One text per setting.
+/// Creates one draft per setting.
 fn drafts(spec: &WorldSpec) -> Vec<Draft> {
     let (values, defaults) = (spec.settings_json(), spec.kind().default_spec().settings_json());
     let draft =

@@ -4,37 +4,37 @@ use bevy_egui::egui::{Grid, ProgressBar, Ui};
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::trial::Trial;
 
-/// What a person sees of a running trial. The intended difficulty of the world is left out, so that
-/// ratings are blind.
+/// What an operator sees of a running trial. It does not include the intended difficulty of the world, so
+/// that ratings are blind.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrialStatus {
-    /// Simulated seconds since the start.
+    /// The simulated seconds since the start.
     pub time: f64,
-    /// Simulated seconds after which the trial ends.
+    /// The simulated seconds after which the trial ends.
     pub time_limit: f64,
-    /// Remaining operating time of the battery in seconds.
+    /// The remaining operating time of the battery in seconds.
     pub battery: f64,
-    /// Operating time of a full battery in seconds.
+    /// The operating time of a full battery in seconds.
     pub full_battery: f64,
-    /// Distance that the driven robot has travelled, in metres.
+    /// The distance that the driven robot has travelled, in metres.
     pub distance: f64,
-    /// Number of collisions of the driven robot.
+    /// The number of collisions of the driven robot.
     pub collisions: u32,
-    /// Index of the driven robot, from 0.
+    /// The index of the driven robot, counted from 0.
     pub driven: usize,
-    /// Number of robots.
+    /// The number of robots.
     pub robots: usize,
     /// Whether an exploration policy drives.
     pub program: bool,
-    /// Whether time is stopped.
+    /// Whether the trial is paused.
     pub paused: bool,
     /// Whether the true world and the true poses are shown.
     pub training: bool,
-    /// Why the robot has ended its trial; `None` while it drives.
+    /// The reason why the robot has ended its trial, or `None` while it drives.
     pub end: Option<&'static str>,
 }
 
-/// What a person asks for during a trial.
+/// A request of the user during a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrialAction {
     /// Pause or resume time.
@@ -50,7 +50,7 @@ pub enum TrialAction {
 }
 
 impl TrialStatus {
-    /// The status of a trial in which a person drives `driven`.
+    /// Creates the status of a trial in which `driven` is the driven robot.
     pub fn of<B: RobotBackend>(trial: &Trial<B>, driven: usize) -> Self {
         let settings = trial.settings();
         let driven = driven.min(trial.robots().saturating_sub(1));
@@ -120,7 +120,7 @@ impl TrialStatus {
     }
 }
 
-/// Minutes and seconds.
+/// Formats a time as minutes and seconds.
 fn clock(seconds: f64) -> String {
     let seconds = seconds.max(0.0) as u64;
     format!("{}:{:02}", seconds / 60, seconds % 60)

@@ -1,18 +1,18 @@
-//! What panels are made of: rows, groups and errors.
+//! The building blocks of panels: rows, groups and errors.
 
 use bevy_egui::egui::{self, CollapsingHeader, RichText, Ui};
 
 use super::colors::ERROR;
 
-/// Width in points of the names before settings.
+/// The width in points of the names of settings.
 const NAME_WIDTH: f32 = 130.0;
 
-/// An error below the input that it is about, wrapped to the panel's width.
+/// Draws an error below the input that caused it, wrapped to the width of the panel.
 pub(super) fn error(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).color(ERROR));
 }
 
-/// A row with a name of fixed width, and the widgets that edit its value.
+/// Draws a row with a name of fixed width, and the widgets that edit the value.
 pub(super) fn row(ui: &mut Ui, name: &str, help: &str, edit: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
         let size = egui::vec2(NAME_WIDTH, ui.spacing().interact_size.y);
@@ -28,7 +28,8 @@ pub(super) fn row(ui: &mut Ui, name: &str, help: &str, edit: impl FnOnce(&mut Ui
     });
 }
 
-/// A group of settings below a header that opens and closes it, in another colour if there is an error in it.
+/// Draws a group of settings below a header that opens and closes it. The header has another colour if the
+/// group has an error.
 pub(super) fn group(
     ui: &mut Ui,
     name: RichText,

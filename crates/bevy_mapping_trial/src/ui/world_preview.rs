@@ -1,4 +1,4 @@
-//! The world that settings describe, generated in the background, and its picture.
+//! A preview of the world that settings describe, which is generated and drawn in the background.
 
 use std::sync::Arc;
 
@@ -13,16 +13,17 @@ use envgen::{Seed, SettingsError, World, WorldSpec};
 use super::background::Background;
 use super::colors::{ERROR, PAGE};
 
-/// Points between the picture and the edges.
+/// The points between the picture and the edges.
 const MARGIN: f32 = 16.0;
 
-/// Opacity of white over a picture that another one is about to replace.
+/// The opacity of white over a picture that is about to be replaced.
 const OUTDATED: u8 = 120;
 
-/// The world that settings describe, generated on another thread, and its picture in a panel.
+/// A preview of the world that settings describe, which is generated in a background task and drawn in a
+/// panel.
 ///
-/// The last request counts. Nothing blocks: while a world is generated, the previous picture is shown under a
-/// spinner.
+/// Only the last request counts. Nothing blocks: while a world is generated, the previous picture is shown
+/// under a spinner.
 ///
 /// ```
 /// use bevy_mapping_trial::ui::{SpecForm, WorldPreview};
@@ -48,27 +49,27 @@ pub struct WorldPreview {
     wanted: Wanted,
     worlds: Background<(WorldSpec, Seed), Result<Arc<World>, String>>,
     pictures: Background<Drawing, Result<Drawn, String>>,
-    /// The picture as it is shown.
+    /// The picture that is shown.
     texture: Option<(Drawing, TextureHandle)>,
 }
 
-/// What is requested.
+/// The request.
 #[derive(Debug)]
 enum Wanted {
-    /// A world that exists.
+    /// A world that already exists.
     World(Arc<World>),
     /// The world of a spec.
     Spec(Box<(WorldSpec, Seed)>),
-    /// Settings that are not allowed.
+    /// Settings that are invalid.
     Refused(String),
 }
 
-/// What a picture depends on.
+/// Everything that a picture depends on.
 #[derive(Clone, Debug)]
 struct Drawing {
     world: Arc<World>,
     scenario: Option<(ScenarioSpec, Seed)>,
-    /// Width and height in points.
+    /// The width and the height in points.
     size: [u32; 2],
     pixels_per_point: f32,
 }
@@ -86,12 +87,12 @@ impl PartialEq for Drawing {
 #[derive(Debug)]
 struct Drawn {
     pixels: Pixels,
-    /// Why what moves is not in it.
+    /// The reason why the picture is without the scenario, if it is.
     problem: Option<String>,
 }
 
 impl WorldPreview {
-    /// The preview of a spec and a seed, or of the error that settings have.
+    /// Creates the preview of a spec and a seed, or of the error of the settings.
     pub fn new(request: Result<(WorldSpec, Seed), SettingsError>) -> Self {
         Self::of(match request {
             Ok(request) => Wanted::Spec(Box::new(request)),
@@ -99,7 +100,7 @@ impl WorldPreview {
         })
     }
 
-    /// The preview of a world that exists, such as one from a file.
+    /// Creates the preview of a world that already exists, such as one from a file.
     pub fn given(world: Arc<World>) -> Self {
         Self::of(Wanted::World(world))
     }
@@ -109,12 +110,13 @@ impl WorldPreview {
         WorldPreview { wanted, worlds, pictures, texture: None }
     }
 
-    /// Requests another world, in place of what was requested before.
+    /// Requests another world, in place of the previous request.
     pub fn request(&mut self, request: Result<(WorldSpec, Seed), SettingsError>) {
         self.wanted = Self::new(request).wanted;
     }
 
-    /// Takes the world when it is ready, and begins to generate what was requested last. To be called every frame.
+    /// Takes a world that is ready, and starts to generate the last requested one. Must be called in every
+    /// frame.
     pub fn advance(&mut self) {
         let Wanted::Spec(wanted) = &self.wanted else { return };
         self.worlds.advance(Some(&**wanted), |(spec, seed)| {
@@ -123,12 +125,12 @@ impl WorldPreview {
         });
     }
 
-    /// Whether the world that was requested last is not yet ready.
+    /// Returns whether the last requested world is not ready yet.
     pub fn is_pending(&self) -> bool {
         matches!(&self.wanted, Wanted::Spec(wanted) if self.worlds.of(wanted).is_none())
     }
 
-    /// The world that was requested last, once it is ready.
+    /// Returns the last requested world, once it is ready.
     pub fn world(&self) -> Option<&Arc<World>> {
         match &self.wanted {
             Wanted::World(world) => Some(world),
@@ -137,7 +139,7 @@ impl WorldPreview {
         }
     }
 
-    /// Why there is no world for the last request.
+    /// Returns the reason why there is no world for the last request.
     pub fn error(&self) -> Option<&str> {
         match &self.wanted {
             Wanted::World(_) => None,
@@ -146,8 +148,8 @@ impl WorldPreview {
         }
     }
 
-    /// Draws the world, and what moves in it, into all of the space that is left: the last picture under a spinner
-    /// until that of the last request is ready.
+    /// Draws the world and its scenario into all of the remaining space. Until the picture of the last
+    /// request is ready, it shows the previous picture under a spinner.
     pub fn show(&mut self, ui: &mut Ui, scenario: Option<(&ScenarioSpec, Seed)>) {
         let area = ui.available_rect_before_wrap();
         ui.allocate_rect(area, Sense::hover());
@@ -170,7 +172,7 @@ impl WorldPreview {
             self.texture = Some((drawing.clone(), texture));
         }
         if let Some((drawing, texture)) = &self.texture {
-            // Pictures of other sizes, too, are shown as large as they fit.
+            // Pictures of another size are scaled down to fit.
             let size = texture.size_vec2() / drawing.pixels_per_point;
             let scale = (inside.size() / size).min_elem().min(1.0);
             let place = Align2::CENTER_CENTER.align_size_within_rect(scale * size, inside);
@@ -200,7 +202,7 @@ impl WorldPreview {
     }
 }
 
-/// Draws a world as large as it fits, what moves in it included unless that is not possible.
+/// Draws a world as large as it fits, with its scenario if that is possible.
 fn draw(drawing: &Drawing) -> Result<Drawn, String> {
     let [width, height] = drawing.size;
     let scenario = drawing
@@ -226,7 +228,7 @@ fn draw(drawing: &Drawing) -> Result<Drawn, String> {
         picture::pixels(&drawing.world, options).map_err(|error| error.to_string())
     };
     let mut pixels = draw(&options)?;
-    // Title and legend are added to the height.
+    // The title and the legend are added to the height.
     let total = (f64::from(pixels.height) / options.pixel_ratio) as u32;
     if total > height && height > lowest {
         options.height = options.height.saturating_sub(total - height).max(lowest);

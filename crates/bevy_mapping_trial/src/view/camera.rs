@@ -6,49 +6,49 @@ use bevy::prelude::*;
 use super::sights::TrialSights;
 use super::trial_view::TrialView;
 
-/// Keeps a two-dimensional camera above the estimated position of a robot of a trial.
+/// A component that keeps a two-dimensional camera above the estimated position of a robot of a trial.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct FollowRobot {
-    /// The environment that the trial is in.
+    /// The environment of the trial.
     #[entities]
     pub trial: Entity,
-    /// Index of the robot, from 0; numbers that are too large mean the last robot.
+    /// The index of the robot, counted from 0. Numbers that are too large select the last robot.
     pub robot: usize,
-    /// Height of the visible area in metres.
+    /// The height of the visible area in metres.
     pub height: f32,
 }
 
-/// Keeps the whole map of a trial in a two-dimensional camera's view, and at least a square of 10
-/// m.
+/// A component that keeps the whole map of a trial, and at least a square of 10 m, in the view of a
+/// two-dimensional camera.
 ///
-/// With [`RenderLayers`](bevy::camera::visibility::RenderLayers) of 0 and
-/// [`MINIMAP_LAYER`](super::MINIMAP_LAYER) it also shows arrows where the robots are.
+/// With [`RenderLayers`](bevy::camera::visibility::RenderLayers) 0 and
+/// [`MINIMAP_LAYER`](super::MINIMAP_LAYER), the camera also shows arrows at the positions of the robots.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
 pub struct ShowWholeMap {
-    /// The environment that the trial is in.
+    /// The environment of the trial.
     #[entities]
     pub trial: Entity,
-    /// Margin around the map in metres.
+    /// The margin around the map in metres.
     pub margin: f32,
 }
 
 /// The smallest side in metres of the area that a [`ShowWholeMap`] shows.
 const LEAST: f32 = 10.0;
 
-/// Length of a robot's arrow as a share of the shorter side of the area that a [`ShowWholeMap`]
+/// The length of the arrow of a robot, as a fraction of the longer side of the area that a [`ShowWholeMap`]
 /// shows.
 const ARROW: f32 = 0.06;
 
-/// An arrow at a robot's position, for maps.
+/// A marker component of an arrow at the position of a robot, for maps.
 #[derive(Component)]
 pub(super) struct MapMark;
 
-/// What is above a camera.
+/// The parent of a camera.
 type Above<'a> = Option<&'a ChildOf>;
 
-/// The places of cameras and arrows, and how these are propagated: before Bevy does.
+/// The transforms of cameras and arrows, and access to global transforms before Bevy propagates them.
 type Places<'w, 's> = ParamSet<
     'w,
     's,
@@ -74,7 +74,7 @@ pub(super) fn follow(
     }
 }
 
-/// Fits cameras to their maps, and the arrows to the last of them.
+/// Fits cameras to their maps, and the arrows to the last of these cameras.
 pub(super) fn show_maps(
     trials: Query<&TrialSights, With<TrialView>>,
     cameras: Query<(Entity, &ShowWholeMap, Above<'_>)>,
@@ -98,7 +98,7 @@ pub(super) fn show_maps(
     }
 }
 
-/// Lets a camera look at a point of an environment.
+/// Points a camera at a point of an environment.
 fn look(
     places: &mut Places<'_, '_>,
     camera: Entity,
@@ -125,7 +125,7 @@ fn look(
     }
 }
 
-/// `ScalingMode` has no equality.
+/// Compares scaling modes, since `ScalingMode` has no equality.
 fn same(a: ScalingMode, b: ScalingMode) -> bool {
     match (a, b) {
         (

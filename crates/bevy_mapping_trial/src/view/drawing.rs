@@ -1,4 +1,4 @@
-//! The drawing of one trial, and how it is updated.
+//! The drawing of one trial, and its updates.
 
 use bevy::camera::visibility::{NoFrustumCulling, RenderLayers};
 use bevy::ecs::system::SystemParam;
@@ -18,10 +18,10 @@ use super::trail::Trail;
 use super::trial_view::TrialView;
 use super::{scan, shape};
 
-/// Height of the view above everything that is drawn of worlds.
+/// The height of the view above everything that is drawn of worlds.
 const ABOVE: f32 = 0.5;
 
-/// Heights within the view.
+/// The heights of the layers within the view.
 const TRUE_TRAIL: f32 = 0.01;
 const TRAIL: f32 = 0.02;
 const SCAN: f32 = 0.03;
@@ -29,13 +29,13 @@ const TRUE_BODY: f32 = 0.04;
 const BODY: f32 = 0.05;
 const MARK: f32 = 0.06;
 
-/// Opacity of the map over the true world.
+/// The opacity of the map when it is drawn over the true world.
 const MAP_OVER_TRUTH: f32 = 0.6;
 
-/// Ticks between two checks of whether loop closing has changed the past trajectory.
+/// The number of ticks between two checks of whether loop closing has changed the past trajectory.
 const RENEWAL: usize = 40;
 
-/// The assets that drawings are made of. All may be missing, in apps that do not draw.
+/// The system parameters that drawings need. The assets are missing in apps that do not draw.
 #[derive(SystemParam)]
 pub(super) struct Canvas<'w, 's> {
     pub(super) commands: Commands<'w, 's>,
@@ -47,13 +47,13 @@ pub(super) struct Canvas<'w, 's> {
     pub(super) sprites: Query<'w, 's, &'static mut Sprite>,
 }
 
-/// The parent of everything that is drawn of a trial. Clones and scenes have it, so that what they hold of a drawing is
-/// found.
+/// A marker component of the parent of everything that is drawn of a trial. Clones and scenes hold it, so
+/// that the drawings that they contain can be found.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub(super) struct DrawingRoot;
 
-/// The drawing of a trial, on the entity of its environment.
+/// A component with the drawing of a trial, on the entity of its environment.
 #[derive(Component)]
 pub(super) struct Drawing {
     /// The parent of everything that is drawn.
@@ -64,7 +64,7 @@ pub(super) struct Drawing {
     truths: Entity,
     sheets: Sheets,
     robots: Vec<Drawn>,
-    /// Opacity of the sheets.
+    /// The opacity of the sheets of the map.
     opacity: f32,
 }
 
@@ -75,19 +75,19 @@ struct Drawn {
     fan: Entity,
     fan_mesh: Handle<Mesh>,
     ranges: Vec<f64>,
-    /// Tick of the scan that is drawn.
+    /// The tick of the scan that is drawn.
     scanned: Option<usize>,
     trail: Trail,
     trail_ink: Handle<ColorMaterial>,
     true_trail: Trail,
     true_ink: Handle<ColorMaterial>,
-    /// Number of true poses that are drawn.
+    /// The number of true poses that are drawn.
     tracked: usize,
-    /// Tick at which the trail was last redrawn from its beginning.
+    /// The tick at which the trail was last redrawn from its beginning.
     renewed: Option<usize>,
 }
 
-/// A pose in the environment's frame.
+/// Returns a pose as a transform in the frame of the environment.
 pub(super) fn place(pose: Pose, origin: DVec2, height: f32) -> Transform {
     let at = (pose.position - origin).as_vec2().extend(height);
     let rotation = Quat::from_rotation_z(pose.heading as f32);
@@ -95,7 +95,7 @@ pub(super) fn place(pose: Pose, origin: DVec2, height: f32) -> Transform {
 }
 
 impl Drawing {
-    /// Spawns the parts of the drawing that exist all the time. `None` if the app does not draw.
+    /// Spawns the permanent parts of the drawing. Returns `None` if the app does not draw.
     pub(super) fn begin<B: RobotBackend>(
         environment: Entity,
         trial: &Trial<B>,
@@ -134,7 +134,7 @@ impl Drawing {
                 |name: &str, mesh: &Handle<Mesh>, ink: &Handle<ColorMaterial>, parent| {
                     let name = Name::new(format!("{name} {robot}"));
                     let look = (Mesh2d(mesh.clone()), MeshMaterial2d(ink.clone()));
-                    // Meshes that change would need new bounds each time, and the others are few.
+                    // Meshes that change would need new bounds each time, and the other meshes are few.
                     commands.spawn((name, look, NoFrustumCulling, ChildOf(parent))).id()
                 };
             let drawn = Drawn {
@@ -185,7 +185,7 @@ impl Drawing {
         }
     }
 
-    /// Shows and hides layers as `view` asks.
+    /// Shows and hides layers as `view` says.
     fn show(&mut self, view: &TrialView, canvas: &mut Canvas<'_, '_>) {
         let switches = [
             (self.maps, view.map),
@@ -198,7 +198,7 @@ impl Drawing {
             if let Ok(mut visibility) = canvas.groups.get_mut(group) {
                 visibility.set_if_neq(wanted);
             } else {
-                // It was spawned in this frame, in which the true poses must be hidden as well.
+                // The group was spawned in this frame, in which the true poses must be hidden as well.
                 canvas.commands.entity(group).insert(wanted);
             }
         }
@@ -254,7 +254,7 @@ impl Drawn {
             if let Ok(mut place) = canvas.places.get_mut(entity) {
                 place.set_if_neq(at);
             } else {
-                // It was spawned in this frame.
+                // The entity was spawned in this frame.
                 canvas.commands.entity(entity).insert(at);
             }
         };
@@ -263,7 +263,7 @@ impl Drawn {
             put(self.true_body, place(truth, origin, TRUE_BODY));
         }
 
-        // A scan is drawn where it was taken, although the robot has moved since.
+        // A scan is drawn where it was taken, even if the robot has moved since.
         let (scan, laser) = (trial.autonomy().scan(robot), &trial.settings().laser);
         let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
         let seen = self.ranges.len() == scan.ranges.len()
@@ -311,15 +311,15 @@ impl Drawn {
         }
     }
 
-    /// Number of ticks of the trial that are drawn.
+    /// Returns the number of ticks of the trial that are drawn.
     pub(super) fn ticks(&self) -> usize {
         self.tracked
     }
 }
 
 impl Drawing {
-    /// Whether the trial continues the drawn one: another trial of the same environment begins with
-    /// fewer ticks.
+    /// Returns whether the trial is a continuation of the drawn one. Another trial of the same environment
+    /// begins with fewer ticks.
     pub(super) fn is_of<B: RobotBackend>(&self, trial: &Trial<B>) -> bool {
         self.robots.len() == trial.robots()
             && (0..)

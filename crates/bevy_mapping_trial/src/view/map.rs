@@ -1,4 +1,4 @@
-//! The growing map as textures, of which only the changed ones are written.
+//! The growing map as textures. Only textures that have changed are written.
 
 use std::collections::BTreeMap;
 
@@ -8,20 +8,20 @@ use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 use mapping_trial::map::{DECIDED, OccupancyMap, RESOLUTION, TILE};
 
-/// Map tiles along a side of a sheet. A sheet is sent to the graphics card as a whole, and drawn
-/// with one call: larger sheets cost more when little changes, smaller ones when much is visible.
+/// The number of map tiles along a side of a sheet. A sheet is uploaded to the graphics card as a whole, and
+/// drawn with one call. Larger sheets cost more when little changes, and smaller sheets when much is visible.
 const TILES_PER_SHEET: i32 = 4;
 
-/// Cells, and pixels, along a side of a sheet.
+/// The number of cells, and of pixels, along a side of a sheet.
 pub(super) const SHEET_CELLS: i32 = TILES_PER_SHEET * TILE;
 
-/// Side of a sheet in metres.
+/// The side of a sheet in metres.
 pub(super) const SHEET_SIDE: f64 = SHEET_CELLS as f64 * RESOLUTION;
 
-/// Bytes of a pixel.
+/// The number of bytes of a pixel.
 const PIXEL: usize = 4;
 
-/// The colours of pixels: red, green, blue in sRGB and opacity.
+/// The colours of pixels: red, green and blue in sRGB, and opacity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Paint {
     pub(super) free: [u8; PIXEL],
@@ -29,7 +29,7 @@ pub(super) struct Paint {
 }
 
 impl Paint {
-    /// Transparent where the map is unknown.
+    /// The colour of unknown cells, which is transparent.
     pub(super) const UNKNOWN: [u8; PIXEL] = [0x80, 0x80, 0x80, 0];
 
     pub(super) fn new(free: Color, occupied: Color) -> Self {
@@ -57,11 +57,11 @@ pub(super) struct Sheet {
 /// The sheets of a map that have been drawn so far.
 #[derive(Debug, Default)]
 pub(super) struct Sheets {
-    /// By column and row.
+    /// The sheets by column and row.
     sheets: BTreeMap<(i32, i32), Sheet>,
-    /// The revision of the map that they show, and the colours.
+    /// The revision of the map that the sheets show, and the colours.
     drawn: Option<(u64, Paint)>,
-    /// Changed tiles with their sheets, kept to reuse its memory.
+    /// The changed tiles with their sheets. The vector is kept to reuse its memory.
     changed: Vec<((i32, i32), (i32, i32))>,
 }
 
@@ -70,8 +70,8 @@ impl Sheets {
         self.sheets.values()
     }
 
-    /// Writes the tiles that have changed since the last call into their textures, or all tiles if
-    /// the colours have changed. `spawn` creates the entity of a new sheet at a column and row.
+    /// Writes the tiles that have changed since the last call into their textures, or all tiles if the
+    /// colours have changed. `spawn` creates the entity of a new sheet at a column and row.
     pub(super) fn renew(
         &mut self,
         map: &OccupancyMap,
@@ -112,13 +112,13 @@ impl Sheets {
     }
 }
 
-/// The centre of a sheet in metres.
+/// Returns the centre of a sheet in metres.
 pub(super) fn centre((col, row): (i32, i32)) -> envgen::glam::DVec2 {
     (envgen::glam::DVec2::new(f64::from(col), f64::from(row)) + 0.5) * SHEET_SIDE
 }
 
-/// A texture of unknown cells. Close up, cells are squares; from far away, walls of one cell stay
-/// visible.
+/// Creates a texture of unknown cells. With its sampling, cells are squares in a close view, and walls of one
+/// cell remain visible in a distant view.
 fn blank() -> Image {
     let side = SHEET_CELLS as u32;
     let size = Extent3d { width: side, height: side, depth_or_array_layers: 1 };
@@ -133,8 +133,8 @@ fn blank() -> Image {
     image
 }
 
-/// Writes a tile whose lower left cell is `corner` of its sheet. The first row of pixels is the
-/// upper one, the first row of cells the lower one.
+/// Writes a tile whose lower left cell is at `corner` of its sheet. The first row of pixels is the top row,
+/// but the first row of cells is the bottom row.
 fn write(pixels: &mut [u8], corner: (i32, i32), cells: &[i16], paint: Paint) {
     let width = SHEET_CELLS as usize;
     for (row, cells) in cells.chunks_exact(TILE as usize).enumerate() {

@@ -2,11 +2,11 @@
 
 use bevy::camera::visibility::RenderLayers;
 
-/// The render layer that only minimaps show: arrows at the robots' positions.
+/// The render layer that only minimaps show. It has the arrows at the positions of the robots.
 pub const MINIMAP_LAYER: usize = 30;
 
-/// The render layers of a minimap's camera: everything that other cameras see, and arrows at the
-/// robots.
+/// Returns the render layers of the camera of a minimap: everything that other cameras see, and the arrows at
+/// the positions of the robots.
 pub fn minimap_layers() -> RenderLayers {
     RenderLayers::from_layers(&[0, MINIMAP_LAYER])
 }

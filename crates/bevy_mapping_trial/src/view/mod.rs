@@ -1,8 +1,8 @@
-//! The view of a mapping trial: the growing map, the current scans, the robots and their paths, at
-//! the poses that the robots estimate.
+//! Draws mapping trials: the growing map, the current scans, the robots and their paths, at the poses that
+//! the robots estimate.
 //!
-//! The world itself is hidden from the first frame on, unless [`TrialView::truth`] is set; [`ShowIn3d`] shows
-//! it to cameras in three dimensions alone.
+//! The world itself is hidden from the first frame, unless [`TrialView::truth`] is set. With [`ShowIn3d`],
+//! only three-dimensional cameras see it.
 //!
 //! ```text
 //! Environment          TrialView (what is shown), TrialSights (positions)
@@ -14,7 +14,7 @@
 //!     truth            true poses and paths, for training
 //! ```
 //!
-//! [`MappingTrial`]s are drawn, and so can be any other component that holds a trial: see
+//! The trials of [`MappingTrial`]s are drawn. The trials of any other component can be drawn as well; see
 //! [`WatchTrials`].
 
 mod camera;
@@ -53,8 +53,8 @@ use drawing::{Canvas, Drawing, DrawingRoot};
 
 use crate::trial::{MappingTrial, RapierRobots};
 
-/// Beside a [`TrialView`]: `Camera3d`s, such as cameras on robots, see the world although it is hidden from
-/// `Camera2d`s.
+/// A component that lets `Camera3d`s, such as cameras on robots, see the world although it is hidden from
+/// `Camera2d`s. It is on the same entity as the [`TrialView`].
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct ShowIn3d;
@@ -64,7 +64,7 @@ pub trait WatchTrial: Component {
     /// The robot backend of the trial.
     type RobotBackend: RobotBackend;
 
-    /// The trial; `None` before it begins.
+    /// Returns the trial, or `None` before it has begun.
     fn watched(&self) -> Option<&Trial<Self::RobotBackend>>;
 }
 
@@ -76,10 +76,10 @@ impl WatchTrial for MappingTrial {
     }
 }
 
-/// Extension of [`App`] for plugins whose components hold trials.
+/// An extension of [`App`] for plugins with components that hold trials.
 pub trait WatchTrials {
-    /// Draws the trials of a component. The component then requires a [`TrialView`], so that no
-    /// world is visible before its trial begins.
+    /// Draws the trials of a component. The component then requires a [`TrialView`], so that no world is
+    /// visible before its trial begins.
     fn watch_trials<T: WatchTrial>(&mut self) -> &mut Self;
 }
 
@@ -88,7 +88,7 @@ impl WatchTrials for App {
         // Two plugins may register the same component.
         if !self.world().contains_resource::<IsWatched<T>>() {
             self.insert_resource(IsWatched::<T>(PhantomData));
-            // An app may have registered a view of its own, or have spawned trials before.
+            // An app may have registered a view of its own, or may already have spawned trials.
             self.try_register_required_components::<T, TrialView>().ok();
             self.add_observer(forget::<T>);
             self.add_systems(PostUpdate, draw::<T>.in_set(TrialViewSystems::Draw));
@@ -97,14 +97,14 @@ impl WatchTrials for App {
     }
 }
 
-/// Notes that the trials of a component are drawn.
+/// A resource that exists if the trials of a component are drawn.
 #[derive(Resource)]
 struct IsWatched<T: WatchTrial>(PhantomData<fn() -> T>);
 
-/// The systems that draw trials, in this order, in `PostUpdate`.
+/// The system sets that draw trials, in this order, in `PostUpdate`.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TrialViewSystems {
-    /// Hides worlds, or shows them where asked for.
+    /// Hides worlds, or shows them if requested.
     Hide,
     /// Draws what has changed.
     Draw,
@@ -114,16 +114,16 @@ pub enum TrialViewSystems {
 
 /// Draws mapping trials. Add it after [`EnvgenPlugins`](bevy_envgen::EnvgenPlugins).
 ///
-/// Adds the resource [`TrialPalette`] and the systems of [`TrialViewSystems`]. Needs Bevy's plugins
-/// for images, meshes, sprites and `ColorMaterial`s; without them it draws nothing. By default the colours are those
-/// that the app has, if it has any.
+/// Adds the resource [`TrialPalette`] and the systems of [`TrialViewSystems`]. Needs Bevy's plugins for
+/// images, meshes, sprites and `ColorMaterial`s, and draws nothing without them. By default it uses the
+/// colours that the app already has, if any.
 #[derive(Clone, Debug, Default)]
 pub struct TrialViewPlugin {
     palette: Option<TrialPalette>,
 }
 
 impl TrialViewPlugin {
-    /// Uses `palette`, whatever the app has.
+    /// Inserts `palette` as the colours, replacing those that the app already has.
     pub fn new(palette: TrialPalette) -> Self {
         TrialViewPlugin { palette: Some(palette) }
     }
@@ -164,17 +164,17 @@ impl Plugin for TrialViewPlugin {
     }
 }
 
-/// What is hidden of a world: its parts, and what moves in it.
+/// A filter for what is hidden of a world: its tiles, and the people, doors and smoke of its scenario.
 type OfWorld = Or<(With<Tile>, With<Person>, With<Door>, With<Smoke>)>;
 
-/// On what is drawn from above of a hidden world, which cameras in three dimensions may see.
+/// A marker component of the two-dimensional meshes of a hidden world that three-dimensional cameras may see.
 #[derive(Component)]
 struct HiddenFromAbove;
 
-/// What is drawn from above.
+/// A two-dimensional mesh.
 type Flat<'a> = (Entity, Has<HiddenFromAbove>);
 
-/// Shows worlds and hides them.
+/// The system parameters that show and hide worlds.
 #[derive(SystemParam)]
 struct Curtain<'w, 's> {
     commands: Commands<'w, 's>,
@@ -184,7 +184,7 @@ struct Curtain<'w, 's> {
 }
 
 impl Curtain<'_, '_> {
-    /// Shows the parts of a world to all cameras, to those in three dimensions, or to none.
+    /// Shows the parts of a world to all cameras, only to three-dimensional cameras, or to none.
     fn set(&mut self, children: &Children, from_above: bool, in_3d: bool) {
         let wanted = if from_above || in_3d { Visibility::Inherited } else { Visibility::Hidden };
         for &child in children {
@@ -216,7 +216,7 @@ fn hide_worlds(views: Query<(&TrialView, Has<ShowIn3d>, &Children)>, mut curtain
     }
 }
 
-/// Despawns the drawings that came out of a scene, or as clones, together with their environment.
+/// Despawns the drawings that were spawned from a scene, or cloned, together with their environment.
 fn remove_clones(
     added: Query<(Entity, &ChildOf), Added<DrawingRoot>>,
     drawings: Query<&Drawing>,
@@ -229,7 +229,7 @@ fn remove_clones(
     }
 }
 
-/// Shows a world again whose trial is no longer drawn, and removes the drawing.
+/// Shows a world whose trial is no longer drawn, and removes the drawing.
 fn show_world(
     removed: On<Remove, TrialView>,
     children: Query<&Children>,
@@ -241,7 +241,7 @@ fn show_world(
         curtain.set(children, true, true);
     }
     if let Ok(drawing) = drawings.get(removed.entity) {
-        // Everything is despawned with the environment.
+        // If the environment is despawned, so is everything below it.
         commands.entity(drawing.root).try_despawn();
         commands.entity(removed.entity).try_remove::<(Drawing, TrialSights)>();
     }
@@ -286,7 +286,7 @@ fn draw<T: WatchTrial>(
     }
 }
 
-/// The estimated positions of the robots and the bounds of their map.
+/// Updates the estimated positions of the robots and the bounds of their map.
 fn look_around<B: RobotBackend>(
     trial: &Trial<B>,
     origin: DVec2,

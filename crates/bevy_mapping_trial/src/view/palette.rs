@@ -1,14 +1,14 @@
-//! The colours of a trial.
+//! The colours of trials.
 
 use bevy::prelude::*;
 use bevy_envgen::visuals::color;
 use envgen::palette;
 
-/// The colours of a trial.
+/// A resource with the colours of trials.
 #[derive(Resource, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Debug, PartialEq, Clone)]
 pub struct TrialPalette {
-    /// The background of the map, where nothing is known; also for the clear colour of cameras.
+    /// The background of the map, where nothing is known. It also suits the clear colour of cameras.
     pub unknown: Color,
     /// Free cells of the map.
     pub free: Color,
@@ -16,7 +16,7 @@ pub struct TrialPalette {
     pub occupied: Color,
     /// The true poses and paths of the robots.
     pub truth: Color,
-    /// Robots with their scans and paths; repeated when there are more robots than colours.
+    /// Robots with their scans and paths. The colours repeat if there are more robots than colours.
     pub robots: Vec<Color>,
 }
 
@@ -33,7 +33,7 @@ impl Default for TrialPalette {
 }
 
 impl TrialPalette {
-    /// The colour of a robot, by its index from 0.
+    /// Returns the colour of a robot, by its index from 0.
     pub fn robot(&self, robot: usize) -> Color {
         let color = self.robots.get(robot % self.robots.len().max(1));
         color.copied().unwrap_or(self.occupied)

@@ -6,15 +6,16 @@ use mapping_trial::lidar::{LaserProfile, NO_ECHO, Scan};
 
 use super::shape::Sketch;
 
-/// Opacity of the fan and of its points.
+/// The colour factors of the fan and of its points, with their opacity.
 const FAN: [f32; 4] = [1.0, 1.0, 1.0, 0.18];
 const POINT: [f32; 4] = [1.0, 1.0, 1.0, 1.0];
 
 /// Half the side of a point in metres.
 const HALF: f32 = 0.035;
 
-/// A mesh for the scans of a laser, in the laser's frame, with all beams of length 0. Its vertices
-/// are: the laser, the end of each beam, and four for the point of each beam.
+/// Creates a mesh for the scans of a laser, in the frame of the laser, with all beams of length 0. Its
+/// vertices are the position of the laser, the end of each beam, and four vertices for the point of each
+/// beam.
 pub(super) fn fan(laser: &LaserProfile) -> Mesh {
     let beams = laser.beams as usize;
     let corners = 1 + 5 * beams;
@@ -29,8 +30,8 @@ pub(super) fn fan(laser: &LaserProfile) -> Mesh {
     Sketch { corners: vec![[0.0; 3]; corners], colors, triangles }.into_mesh()
 }
 
-/// Moves the vertices of a [`fan`] to the ranges of a scan. Ignored beams shrink to the laser, and
-/// beams without an echo have no point.
+/// Moves the vertices of a [`fan`] to the ranges of a scan. Ignored beams shrink to the position of the
+/// laser, and beams without an echo have no point.
 pub(super) fn spread(mesh: &mut Mesh, laser: &LaserProfile, scan: &Scan) {
     let Some(VertexAttributeValues::Float32x3(corners)) =
         mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION)

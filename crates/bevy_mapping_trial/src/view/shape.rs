@@ -1,18 +1,18 @@
-//! The meshes of robots.
+//! The two-dimensional meshes of robots.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use mapping_trial::robot::Robot;
 
-/// Factor on the colour of the heading mark.
+/// The colour factors of the heading mark, and of everything else.
 const MARK: [f32; 4] = [0.08, 0.08, 0.08, 1.0];
 const PLAIN: [f32; 4] = [1.0; 4];
 
-/// Width of outlines in metres.
+/// The width of outlines in metres.
 const LINE: f32 = 0.04;
 
-/// Triangles with a colour per vertex, which is multiplied with the material's.
+/// Triangles with a colour per vertex, which is multiplied with the colour of the material.
 #[derive(Default)]
 pub(super) struct Sketch {
     pub(super) corners: Vec<[f32; 3]>,
@@ -40,7 +40,7 @@ impl Sketch {
     }
 }
 
-/// The corners of a box around the origin, from its half size.
+/// Returns the corners of a box around the origin from its half size.
 fn corners(half: Vec2) -> [Vec2; 4] {
     [-half, Vec2::new(half.x, -half.y), half, Vec2::new(-half.x, half.y)]
 }
@@ -49,7 +49,7 @@ fn half_size(robot: &Robot) -> Vec2 {
     0.5 * Vec2::new(robot.length as f32, robot.width as f32)
 }
 
-/// An arrow head that fills the front of a box.
+/// Returns an arrow head that fills the front of a box.
 fn head(half: Vec2) -> [Vec2; 3] {
     [
         Vec2::new(0.1 * half.x, -0.6 * half.y),
@@ -58,7 +58,7 @@ fn head(half: Vec2) -> [Vec2; 3] {
     ]
 }
 
-/// A robot's body from above, with a mark of its heading along x.
+/// Creates the mesh of a robot's body from above, with a mark of its heading along x.
 pub(super) fn body(robot: &Robot) -> Mesh {
     let half = half_size(robot);
     let mut sketch = Sketch::default();
@@ -67,7 +67,7 @@ pub(super) fn body(robot: &Robot) -> Mesh {
     sketch.into_mesh()
 }
 
-/// The outline of a robot's body, with a mark of its heading along x.
+/// Creates the mesh of the outline of a robot's body, with a mark of its heading along x.
 pub(super) fn outline(robot: &Robot) -> Mesh {
     let half = half_size(robot);
     let (outer, inner) = (corners(half), corners((half - LINE).max(Vec2::ZERO)));
@@ -80,7 +80,7 @@ pub(super) fn outline(robot: &Robot) -> Mesh {
     sketch.into_mesh()
 }
 
-/// An arrow head of length 1 along x, for maps on which a robot is too small to see.
+/// Creates an arrow head of length 1 along x, for maps on which a robot is too small to be visible.
 pub(super) fn mark() -> Mesh {
     let mut sketch = Sketch::default();
     sketch.add(&[Vec2::new(-0.5, -0.4), Vec2::new(0.5, 0.0), Vec2::new(-0.5, 0.4)], PLAIN);

@@ -1,25 +1,25 @@
-//! A robot's trajectory, as ribbons that grow.
+//! The trajectory of a robot, drawn as ribbons that grow.
 
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 
 use super::shape::Sketch;
 
-/// Segments per ribbon. Each ribbon has its own mesh, so that old parts of the trail are not sent
-/// to the graphics card again.
+/// The number of segments per ribbon. Each ribbon has its own mesh, so that old parts of the trail are not
+/// uploaded to the graphics card again.
 pub(super) const SEGMENTS: usize = 256;
 
-/// Minimum length of a segment in metres.
+/// The smallest length of a segment in metres.
 pub(super) const STEP: f32 = 0.1;
 
 /// Half the width of a ribbon in metres.
 const HALF: f32 = 0.03;
 
-/// A drawn trajectory in the environment's frame.
+/// A drawn trajectory in the frame of the environment.
 #[derive(Debug, Default)]
 pub(super) struct Trail {
     ribbons: Vec<Handle<Mesh>>,
-    /// Number of segments that are drawn.
+    /// The number of segments that are drawn.
     segments: usize,
     last: Option<Vec2>,
 }
@@ -58,7 +58,7 @@ impl Trail {
         self.last = Some(to);
     }
 
-    /// Clears the trail, and keeps the ribbons for the next one.
+    /// Clears the trail, and keeps the ribbons for reuse.
     pub(super) fn clear(&mut self, meshes: &mut Assets<Mesh>) {
         for ribbon in &self.ribbons {
             if let Some(mut mesh) = meshes.get_mut(ribbon)
@@ -78,7 +78,7 @@ fn positions(mesh: &mut Mesh) -> Option<&mut Vec<[f32; 3]>> {
     }
 }
 
-/// A ribbon whose segments have length 0.
+/// Creates a ribbon whose segments have a length of 0.
 fn blank() -> Mesh {
     let corners = 4 * SEGMENTS;
     let quads =

@@ -1,19 +1,19 @@
-//! What is visible of a trial.
+//! The visible layers of a trial.
 
 use bevy::prelude::*;
 
 use super::sights::TrialSights;
 
-/// The visible layers of a trial, on the entity of its environment.
+/// A component with the visible layers of a trial, on the entity of its environment.
 ///
-/// Removing it shows the plain world. Scenes and clones do not hold it, as they do not hold the trial.
+/// Removing it shows the plain world. Like the trial itself, it is not held by scenes and clones.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[component(clone_behavior = Ignore)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[require(TrialSights)]
 pub struct TrialView {
-    /// The world with its people, doors and smoke, and the true poses and paths of the robots: for training only,
-    /// because a trial asks for them.
+    /// The world with its people, doors and smoke, and the true poses and paths of the robots. This is for
+    /// training only, because it is the task of a trial to find them.
     pub truth: bool,
     /// The map.
     pub map: bool,
