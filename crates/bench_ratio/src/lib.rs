@@ -1,7 +1,8 @@
-//! Benchmark ratios against a baseline that is measured in the same run. Machines are shared and
-//! noisy, so absolute seconds say little.
+//! Benchmarks as ratios to a baseline that is measured in the same run, since absolute times mean little on
+//! machines that are shared and noisy.
 //!
-//! Results are lines that [`Ratio`] and [`Growth`] read back; `bench_report` makes a page of those of all benchmarks.
+//! Results are printed as lines, which [`Ratio`] and [`Growth`] can parse. The program `bench_report` makes a
+//! page from the lines of all benchmarks.
 
 mod line;
 mod times;
@@ -12,15 +13,15 @@ use std::time::Instant;
 pub use line::{Bound, Growth, Ratio};
 pub use times::Times;
 
-/// Number of rounds of [`contest`].
+/// The number of rounds of [`contest`].
 const ROUNDS: usize = 15;
 
-/// Seconds per call of each side, in many alternating rounds.
+/// Measures the seconds per call of both sides, in many alternating rounds.
 pub fn contest<A, B>(ours: impl FnMut() -> A, baseline: impl FnMut() -> B) -> Times {
     rounds(ROUNDS, ours, baseline)
 }
 
-/// Seconds per call of each side, in alternating rounds.
+/// Measures the seconds per call of both sides, in `count` alternating rounds.
 pub fn rounds<A, B>(
     count: usize,
     mut ours: impl FnMut() -> A,
@@ -29,7 +30,7 @@ pub fn rounds<A, B>(
     (0..count).map(|_| (seconds(&mut ours), seconds(&mut baseline))).collect()
 }
 
-/// Seconds per call.
+/// Measures the seconds of a call.
 #[expect(clippy::disallowed_methods, reason = "a benchmark needs the clock")]
 pub fn seconds<T>(mut work: impl FnMut() -> T) -> f64 {
     let start = Instant::now();
@@ -37,12 +38,13 @@ pub fn seconds<T>(mut work: impl FnMut() -> T) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// Prints the ratio of our time to the baseline's, its spread, and whether it is at most `limit`.
+/// Prints the ratio of our time to that of the baseline, its spread, and whether it is at most `limit`.
 pub fn at_most(what: &str, times: impl Into<Times>, limit: f64) {
     say(what, &times.into(), Bound::AtMost(limit));
 }
 
-/// Prints how many times faster than the baseline ours is, the spread, and whether that is at least `limit`.
+/// Prints how many times faster our side is than the baseline, the spread, and whether this is at least
+/// `limit`.
 pub fn faster(what: &str, times: impl Into<Times>, limit: f64) {
     say(what, &times.into(), Bound::AtLeast(limit));
 }
@@ -52,7 +54,7 @@ fn say(what: &str, times: &Times, bound: Bound) {
     println!("{}", Ratio::new(what, times, bound));
 }
 
-/// Prints how the cost grows with the size: the exponent of the power of the size that fits `(size, seconds)` best.
+/// Prints how the cost grows with the size: the exponent of the power law that fits `(size, seconds)` best.
 /// Prints nothing for fewer than two sizes.
 #[expect(clippy::print_stdout, reason = "the result of a benchmark")]
 pub fn growth(what: &str, costs: &[(f64, f64)]) {

@@ -1,20 +1,20 @@
-//! The lines that benchmarks print, which are read back.
+//! The lines that benchmarks print, and their parsers.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::Times;
 
-/// What a ratio is to be.
+/// The bound of a ratio.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bound {
-    /// The ratio of our time to the baseline's.
+    /// The upper limit of the ratio of our time to that of the baseline.
     AtMost(f64),
-    /// How many times faster than the baseline.
+    /// The lower limit of how many times faster our side is than the baseline.
     AtLeast(f64),
 }
 
-/// A ratio of times, and its bound.
+/// A ratio of times, with its bound.
 ///
 /// ```
 /// use bench_ratio::{Bound, Ratio};
@@ -27,19 +27,19 @@ pub enum Bound {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ratio {
-    /// What was measured, and against what.
+    /// What was measured, and the baseline.
     pub what: String,
     /// The ratio.
     pub ratio: f64,
-    /// The least and greatest ratio of a round, without the lowest and the highest quarter of the rounds; `None` if each
-    /// side was measured separately.
+    /// The least and the greatest ratio of a round, without the lowest and the highest quarter of the rounds,
+    /// or `None` if each side was measured separately.
     pub spread: Option<(f64, f64)>,
-    /// Its bound.
+    /// The bound of the ratio.
     pub bound: Bound,
 }
 
 impl Ratio {
-    /// The ratio of the best times of each side.
+    /// Computes the ratio of the best times of each side.
     pub fn new(what: &str, times: &Times, bound: Bound) -> Self {
         let value = |ours: f64, baseline: f64| match bound {
             Bound::AtMost(_) => ours / baseline,
@@ -53,7 +53,7 @@ impl Ratio {
         }
     }
 
-    /// Whether the ratio is what it is to be.
+    /// Returns whether the ratio is within its bound.
     pub fn is_met(&self) -> bool {
         match self.bound {
             Bound::AtMost(limit) => self.ratio <= limit,
@@ -62,7 +62,7 @@ impl Ratio {
     }
 }
 
-/// The words before the spread and the bound.
+/// The texts before the spread and the bound.
 const ROUNDS: &str = " (rounds: ";
 const TARGET: &str = " (target: ";
 
@@ -84,7 +84,7 @@ impl fmt::Display for Ratio {
     }
 }
 
-/// A line that is not the one it was taken for.
+/// An error for a line that does not have the expected form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotALine;
 
@@ -127,15 +127,15 @@ impl FromStr for Ratio {
 pub struct Growth {
     /// What was measured.
     pub what: String,
-    /// The power of the size that fits best: 1 where the cost is proportional.
+    /// The exponent of the power law that fits best. It is 1 if the cost is proportional to the size.
     pub exponent: f64,
-    /// The smallest and the greatest size.
+    /// The smallest and the largest size.
     pub sizes: (f64, f64),
 }
 
 impl Growth {
-    /// The least-squares fit of a line through the logarithms of `(size, seconds)`; `None` for fewer than two sizes,
-    /// or where a number is not above 0.
+    /// Fits a line to the logarithms of `(size, seconds)` by least squares. Returns `None` for fewer than two
+    /// sizes, or if a number is not above 0.
     pub fn fit(what: &str, costs: &[(f64, f64)]) -> Option<Self> {
         if costs.iter().any(|&(size, cost)| !(size > 0.0 && cost > 0.0)) {
             return None;
@@ -153,7 +153,7 @@ impl Growth {
     }
 }
 
-/// The words before the exponent.
+/// The text before the exponent.
 const GROWS: &str = ": grows as size^";
 
 impl fmt::Display for Growth {

@@ -1,7 +1,8 @@
-//! The times of two sides.
+//! The measured times of both sides.
 
-/// Seconds of our side and of the baseline in each round. The ratio is that of the best of each side, which other
-/// work on the machine changes least, or of the sums over different tasks; the spread is over the rounds.
+/// The seconds of our side and of the baseline in each round. The ratio is that of the best times of each
+/// side, which other work on the machine affects least, or that of the sums over different tasks. The spread
+/// is over the rounds.
 ///
 /// ```
 /// use bench_ratio::Times;
@@ -22,7 +23,8 @@ impl FromIterator<(f64, f64)> for Times {
     }
 }
 
-/// One round, or the best of each side where they were measured apart: without a spread.
+/// Creates the times of one round, or of the best times of sides that were measured separately, without a
+/// spread.
 impl From<(f64, f64)> for Times {
     fn from(round: (f64, f64)) -> Self {
         [round].into_iter().collect()
@@ -30,12 +32,12 @@ impl From<(f64, f64)> for Times {
 }
 
 impl Times {
-    /// The best of our side, or the sum.
+    /// Returns the best time of our side, or the sum of its times.
     pub fn ours(&self) -> f64 {
         self.all(self.rounds.iter().map(|round| round.0))
     }
 
-    /// The best of the baseline, or the sum.
+    /// Returns the best time of the baseline, or the sum of its times.
     pub fn baseline(&self) -> f64 {
         self.all(self.rounds.iter().map(|round| round.1))
     }
@@ -44,21 +46,21 @@ impl Times {
         if self.is_sum { side.sum() } else { side.fold(f64::INFINITY, f64::min) }
     }
 
-    /// Each round is another task: sums count, and not the best.
+    /// Declares that each round is another task, so that sums are compared instead of the best times.
     #[must_use]
     pub fn summed(self) -> Self {
         Times { is_sum: true, ..self }
     }
 
-    /// The times by these factors, where the sides do unequal shares of a task.
+    /// Multiplies the times by factors, for sides that do unequal shares of a task.
     #[must_use]
     pub fn scaled(self, ours: f64, baseline: f64) -> Self {
         let by = |round: (f64, f64)| (ours * round.0, baseline * round.1);
         Times { rounds: self.rounds.into_iter().map(by).collect(), is_sum: self.is_sum }
     }
 
-    /// The least and greatest value of a round, without the lowest and the highest quarter of the rounds; `None` for one
-    /// round.
+    /// Returns the least and the greatest value of a round, without the lowest and the highest quarter of the
+    /// rounds, or `None` for a single round.
     pub(crate) fn middle_half(&self, value: impl Fn(f64, f64) -> f64) -> Option<(f64, f64)> {
         let mut values: Vec<f64> =
             self.rounds.iter().map(|round| value(round.0, round.1)).collect();

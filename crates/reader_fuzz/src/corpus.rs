@@ -1,4 +1,4 @@
-//! The files that mutations start from, all small and generated here.
+//! The files from which mutations start. All are small, and generated here.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -28,10 +28,10 @@ use mapping_trial::trial::{Trial, TrialSettings};
 use mapping_trial::tum;
 use serde::de::DeserializeOwned;
 
-/// The description and the trials in the folder of a survey.
+/// The names of the files with the description and the trials in the folder of a survey.
 pub const SURVEY_FILES: [&str; 2] = ["survey.json", "trials.jsonl"];
 
-/// Files of a format.
+/// The files of a format.
 pub type Corpus = Vec<Vec<u8>>;
 
 /// A small spec of every kind.
@@ -52,16 +52,17 @@ fn blueprints() -> Vec<WorldBlueprint> {
     specs().iter().filter_map(|spec| spec.generate(Seed(3)).ok()).collect()
 }
 
-/// A world of every kind, and one with every kind of part and shape.
+/// Returns a world of every kind, and one with every kind of part and shape.
 pub fn worlds() -> Vec<World> {
     blueprints().iter().map(WorldBlueprint::to_world).chain([every_part()]).collect()
 }
 
-/// Every value of an enum of names, as its reader lists them in the error for an unknown name.
+/// Returns every value of an enum, from the names that its deserializer lists in the error for an unknown
+/// name.
 pub fn every<T: DeserializeOwned>() -> Vec<T> {
     let Err(error) = serde_json::from_str::<T>("\"\"") else { return Vec::new() };
     let text = error.to_string();
-    // The first name is the unknown one.
+    // The first name is the unknown one, so it is skipped.
     let names = text.split('`').skip(1).step_by(2).skip(1);
     names.filter_map(|name| serde_json::from_value(name.into()).ok()).collect()
 }
@@ -295,7 +296,7 @@ pub fn library_xml() -> Corpus {
     if written.is_ok() { vec![file] } else { Vec::new() }
 }
 
-/// Worlds as GeoJSON, and one that others could have made.
+/// Worlds as GeoJSON, and one as other programs could have made it.
 pub fn geojson() -> Corpus {
     let ring = r#"{"type": "FeatureCollection", "bbox": [-1, -1, 0, 12, 12, 0], "features": [
         {"type": "Feature", "properties": null, "geometry": {"type": "MultiPolygon", "coordinates":
@@ -310,7 +311,7 @@ pub fn geojson() -> Corpus {
     files
 }
 
-/// Houses of HouseExpo.
+/// Houses of the data set HouseExpo.
 pub fn house_json() -> Corpus {
     let house = r#"{"id": "0042", "room_num": 2, "bbox": {"min": [0, 0], "max": [6, 4]},
         "verts": [[0, 0], [6, 0], [6, 4], [3, 4], [3, 2], [0, 2]],
@@ -320,7 +321,7 @@ pub fn house_json() -> Corpus {
     files
 }
 
-/// A Gazebo world as in BARN.
+/// A Gazebo world as in the data set BARN.
 pub fn barn_world() -> Corpus {
     let models: String = [(-0.075, 0.075), (-0.225, 0.075), (-0.375, 5.325), (-0.525, 5.475)]
         .iter()
@@ -354,7 +355,7 @@ pub fn barn_world() -> Corpus {
     vec![text.into_bytes()]
 }
 
-/// An array of NumPy, of eight-byte and of one-byte numbers.
+/// A NumPy array, with eight-byte and with one-byte numbers.
 fn arrays(rows: usize, cols: usize, values: &[i64]) -> Corpus {
     let file = |descr: &str, data: Vec<u8>| {
         let header = format!(
@@ -372,13 +373,13 @@ fn arrays(rows: usize, cols: usize, values: &[i64]) -> Corpus {
     ]
 }
 
-/// Grids of BARN.
+/// Grids of the data set BARN.
 pub fn barn_grid() -> Corpus {
     let cells: Vec<i64> = (0..48).map(|i| i64::from(!(6..42).contains(&i) || i == 22)).collect();
     arrays(8, 6, &cells)
 }
 
-/// Paths of BARN.
+/// Paths of the data set BARN.
 pub fn barn_path() -> Corpus {
     arrays(4, 2, &[3, 0, 3, 1, 4, 2, 4, 3])
 }
@@ -391,8 +392,7 @@ pub fn robot_ron() -> Corpus {
         .to_vec()
 }
 
-/// Logs of short trials, one in a world that is generated again and one in a world that the log
-/// holds.
+/// Logs of short trials: in worlds that can be generated again, and in worlds that the log contains.
 pub fn trial_log() -> Corpus {
     let worlds = worlds();
     let mut files = Vec::new();
@@ -409,7 +409,7 @@ pub fn trial_log() -> Corpus {
     files
 }
 
-/// The world that scenarios are for.
+/// The world of the scenarios.
 pub fn scenario_world() -> World {
     let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
     spec.generate(Seed(3)).map_or_else(|_| every_part(), |plan| plan.to_world())
@@ -444,7 +444,7 @@ pub fn survey_ron() -> Corpus {
     vec![short.into(), include_bytes!("../../../assets/surveys/lost.survey.ron").to_vec()]
 }
 
-/// As the readers of surveys expect it.
+/// Serializes a value as RON in the form that the readers of surveys expect.
 fn as_ron(value: &impl serde::Serialize) -> Option<Vec<u8>> {
     use ron::extensions::Extensions;
     let extensions = Extensions::UNWRAP_VARIANT_NEWTYPES | Extensions::IMPLICIT_SOME;
@@ -461,20 +461,20 @@ pub fn difficulty_ron() -> Corpus {
     designs.chain(others).flatten().collect()
 }
 
-/// Two files in one, apart by an empty line.
+/// Joins two files into one, separated by an empty line.
 fn joined(folder: &Path, names: [&str; 2]) -> std::io::Result<Vec<u8>> {
     let [head, lines] = names.map(|name| std::fs::read(folder.join(name)));
     Ok([head?.trim_ascii_end(), b"\n\n", &lines?].concat())
 }
 
-/// The survey of which [`survey_folder`] holds the trials.
+/// The survey whose trials [`survey_folder`] contains.
 pub fn short_survey() -> Option<Survey> {
     let text = "(families: [(name: \"a\", spec: Hallway(segments: 3), maps: 2)], \
                 conditions: [(name: \"c\", time_limit: 1)], noise_seeds: 2)";
     Survey::from_ron(text).ok()
 }
 
-/// Folders of surveys: the description and the trials.
+/// Folders of surveys, with the description and the trials.
 pub fn survey_folder() -> Corpus {
     let (Some(survey), Ok(folder)) = (short_survey(), tempfile::tempdir()) else {
         return Vec::new();
@@ -500,7 +500,7 @@ pub fn report_json() -> Corpus {
     files
 }
 
-/// What a driver that estimates no poses writes, and what one that does.
+/// The output of a driver that estimates no poses, and of one that does.
 pub fn driver() -> Corpus {
     let hello =
         |slam| format!("{{\"protocol\": \"{PROTOCOL}\", \"name\": \"a\", \"slam\": {slam}}}\n");

@@ -1,4 +1,4 @@
-//! What a program does with a world that it has read: none of it may panic or take long.
+//! Uses a world that was read as a program would. No step may panic or take long.
 
 use envgen::World;
 use envgen::clearance_index::ClearanceIndex;
@@ -13,24 +13,24 @@ use mapping_trial::robot::Robot;
 use mapping_trial::score::Reference;
 use mapping_trial::trial::{Trial, TrialSettings};
 
-/// Cells along a world's longer side.
+/// The number of cells along the longer side of a world.
 const CELLS: f64 = 64.0;
 
-/// Worlds longer than this, in metres, are not mapped at a fixed resolution.
+/// The longest side in metres of a world that is mapped at a fixed resolution.
 const LONGEST: f64 = 30.0;
 
-/// One file in so many gets the expensive steps.
+/// One file in this many gets the expensive steps.
 const THOROUGH: u32 = 32;
 
-/// One file in so many is drawn in pixels, which takes most of the time and reads nothing.
+/// One file in this many is drawn in pixels, which takes most of the time and reads nothing.
 const DRAWN: u32 = 512;
 
-/// Whether a file gets the expensive steps.
+/// Returns whether a file gets the expensive steps.
 pub fn thorough(file: &[u8]) -> bool {
     crc32fast::hash(file).is_multiple_of(THOROUGH)
 }
 
-/// Uses a checked world that was read from a file, the same steps each time.
+/// Uses a valid world that was read from a file, always with the same steps.
 pub fn world(world: &World, file: &[u8]) {
     let thorough = thorough(file);
     let drawn = crc32fast::hash(file).is_multiple_of(DRAWN);

@@ -1,4 +1,4 @@
-//! The formats: each with a corpus and a function that reads a file and uses what it holds.
+//! The formats, each with a corpus and a function that reads a file and uses its contents.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -29,25 +29,25 @@ use crate::corpus::{self, Corpus};
 use crate::exercise;
 use crate::script::script;
 
-/// Specs of more work than this are checked but not generated.
+/// The largest amount of work of a spec that is generated. Specs of more work are only checked.
 const MOST_WORK: f64 = 3e4;
 
-/// Specs that may draw more cells than this in all their attempts, which takes seconds, are checked but not
-/// generated.
+/// The largest number of cells that a spec may draw in all its attempts to be generated. Drawing more takes
+/// seconds, so such specs are only checked.
 const MOST_DRAWN: f64 = 2e7;
 
-/// Logs of more ticks than this are read but not replayed.
+/// The largest number of ticks of a log that is replayed. Longer logs are only read.
 const MOST_TICKS: u64 = 400;
 
 /// A format with a reader.
 pub struct Format {
-    /// Its name on the command line.
+    /// The name of the format on the command line.
     pub name: &'static str,
     /// The extension of its files.
     pub ending: &'static str,
-    /// The files that mutations start from.
+    /// The files from which mutations start.
     pub corpus: fn() -> Corpus,
-    /// Reads a file and uses what it holds; returns whether it was read.
+    /// Reads a file and uses its contents. Returns whether it could be read.
     pub read: fn(&[u8]) -> bool,
 }
 
@@ -105,7 +105,7 @@ formats! {
     trial_log "json" |file| log(file);
 }
 
-/// Text readers get files that are UTF-8, as in the command.
+/// Returns a file as text if it is UTF-8, as the command does for readers of text.
 fn text(file: &[u8]) -> Option<&str> {
     std::str::from_utf8(file).ok()
 }
@@ -149,7 +149,7 @@ fn settings(text: &str, file: &[u8]) -> bool {
     let mut spec = kind.default_spec();
     for line in lines {
         let Some((name, value)) = line.split_once('=') else { continue };
-        // A refused setting must change nothing.
+        // A rejected setting must change nothing.
         let _ = spec.set(name, value);
     }
     generated(&spec, file)
@@ -215,7 +215,7 @@ fn project(mut file: &[u8]) -> bool {
     })
 }
 
-/// Ticks of 0.1 s in which the doors, people and smoke of a scenario move.
+/// The number of ticks of 0.1 s for which the doors, people and smoke of a scenario move.
 const SCENARIO_TICKS: usize = 20;
 
 fn scenario(text: &str) -> bool {
@@ -245,7 +245,7 @@ fn trajectory(text: &str) -> bool {
     true
 }
 
-/// Families of more worlds than this are checked but not listed.
+/// The largest number of worlds of a family that is listed. Larger families are only checked.
 const MOST_MAPS: u64 = 10_000;
 
 fn survey(text: &str) -> bool {
@@ -277,12 +277,12 @@ fn difficulty(text: &str) -> bool {
         AtlasDesign::Indoor { sizes, .. } => sizes.iter().map(|size| u64::from(size.maps)).sum(),
         AtlasDesign::Drawn { maps, .. } => u64::from(*maps),
     };
-    // More than a survey may have are refused at once; below that each is drawn.
+    // More than a survey may have are rejected at once. Fewer are all drawn.
     let is_quick = maps <= MOST_MAPS || maps > MAX_SURVEY_TRIALS;
     !is_quick || design.survey(&panel).is_ok_and(|survey| listed(&survey))
 }
 
-/// A folder with two files; `None` where they cannot be written.
+/// Creates a folder with two files, or returns `None` if they cannot be written.
 fn folder(file: &[u8], names: [&str; 2]) -> Option<tempfile::TempDir> {
     let folder = tempfile::tempdir().ok()?;
     let end = file.windows(2).position(|pair| pair == b"\n\n").unwrap_or(file.len());
@@ -298,7 +298,8 @@ fn survey_folder(file: &[u8]) -> Option<()> {
     SurveyFolder::open(folder.path(), SURVEY.as_ref()?, Shard::WHOLE).ok().map(drop)
 }
 
-/// A trial with a driver that writes the file's lines, whatever it is sent; whether its hello is accepted.
+/// Runs a trial with a driver that writes the lines of the file, whatever it is sent. Returns whether its
+/// hello is accepted.
 fn driver(file: &[u8]) -> bool {
     static WORLD: LazyLock<World> = LazyLock::new(corpus::scenario_world);
     let settings = TrialSettings { time_limit: 1.0, ..Default::default() };

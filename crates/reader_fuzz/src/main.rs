@@ -1,7 +1,7 @@
 //! Reads many mutated files of every format, in processes of limited memory and time.
 //!
-//! Cases that panic, abort, hang or take more than two seconds of computing are counted, and the
-//! first of each kind are kept. A run resumes where the previous one stopped.
+//! Cases that panic, abort, hang or take more than two seconds of computing time are counted, and the first
+//! ones of each kind are kept. A run resumes where the previous one stopped.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -17,14 +17,14 @@ use indicatif::{ProgressBar, ProgressStyle};
 use reader_fuzz::mutate::mutated;
 use reader_fuzz::{FORMATS, Format, work};
 
-/// Cases per process.
+/// The number of cases per process.
 const BATCH: u64 = 2000;
 
-/// A process without output for this long is killed. Much more than a case may compute, because
-/// other programs may use the machine.
+/// The time without output after which a process is killed. It is much longer than a case may compute,
+/// because other programs may use the machine.
 const SILENCE: Duration = Duration::from_secs(300);
 
-/// Number of files kept per kind of finding.
+/// The number of files that are kept per kind of finding.
 const KEPT: u64 = 5;
 
 #[derive(Parser)]
@@ -65,12 +65,12 @@ enum Other {
     },
 }
 
-/// The results of a format's cases so far.
+/// The results so far of the cases of a format.
 #[derive(Default)]
 struct Progress {
     next: u64,
     read: u64,
-    /// Findings of each kind.
+    /// The number of findings of each kind.
     found: BTreeMap<String, u64>,
 }
 
@@ -142,7 +142,8 @@ fn format_cases(format: &Format, arguments: &Arguments) -> Result<Progress, Box<
     Ok(progress)
 }
 
-/// A bar of files on stderr, of which some were read before; nothing if that is not a terminal.
+/// Creates a progress bar on stderr that starts with the files that were read before, or a hidden one if
+/// stderr is not a terminal.
 fn bar(format: &'static str, cases: u64, done: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -232,7 +233,7 @@ impl Batch {
     }
 }
 
-/// Starts a process that reads cases, with limited memory.
+/// Starts a process with limited memory that reads cases.
 fn spawn(format: &Format, cases: &std::ops::Range<u64>, memory: u64) -> std::io::Result<Child> {
     let script = format!("ulimit -v {} && exec \"$0\" \"$@\"", memory * 1024);
     Command::new("sh")

@@ -1,11 +1,11 @@
-//! Mutations of files: some change numbers, brackets, lines and chunks, some change bytes.
+//! Mutations of files. Some change numbers, brackets, lines and chunks, and others change bytes.
 
 use envgen::{Seed, Stream};
 
-/// Mutated files are cut to this length, in bytes.
+/// The length in bytes to which mutated files are cut.
 const LONGEST: usize = 1 << 18;
 
-/// The greatest depth of inserted brackets.
+/// The largest depth of inserted brackets.
 const DEEPEST: u64 = 50_000;
 
 /// Numbers that often break readers.
@@ -67,11 +67,11 @@ const NUMBERS: &[&str] = &[
     "",
 ];
 
-/// Openings that readers may nest too deeply.
+/// Opening brackets and markers that readers may nest too deeply.
 const OPENINGS: &[&str] =
     &["[", "(", "{", "{\"a\":", "<a>", "Some(", "- ", "[[", "? ", "&a [*a,", "{a: ", "/*", "((("];
 
-/// Texts with a meaning for some reader.
+/// Texts with a special meaning for some reader.
 const WORDS: &[&str] = &[
     "\0",
     "\u{feff}",
@@ -122,11 +122,11 @@ const WORDS: &[&str] = &[
     "\u{85}",
 ];
 
-/// Mutated file number `case`, from one of the files of a corpus.
+/// Returns mutated file number `case`, made from one of the files of a corpus.
 pub fn mutated(corpus: &[Vec<u8>], format: &str, case: u64) -> Vec<u8> {
     let mut draw = Draw(Seed(case).stream(format, 0));
     let Some(mut file) = draw.choice(corpus).cloned() else { return Vec::new() };
-    // In half of the files only numbers and lines change: more of them can be read.
+    // In half of the files only numbers, words and lines change, so that more of them can be read.
     let gentle = draw.below(2) == 0;
     for _ in 0..1 + draw.below(4) {
         if gentle {
@@ -136,7 +136,7 @@ pub fn mutated(corpus: &[Vec<u8>], format: &str, case: u64) -> Vec<u8> {
         }
         file.truncate(LONGEST);
     }
-    // Most decoders stop at the wrong checksum of a chunk and never see its contents.
+    // Most decoders stop at a wrong checksum of a chunk and never see its contents.
     if file.starts_with(b"\x89PNG") && draw.below(4) > 0 {
         mend_checksums(&mut file);
     }
@@ -146,7 +146,7 @@ pub fn mutated(corpus: &[Vec<u8>], format: &str, case: u64) -> Vec<u8> {
 struct Draw(Stream);
 
 impl Draw {
-    /// A random whole number below `n`, or 0 if `n` is 0.
+    /// Draws a whole number below `n`, or 0 if `n` is 0.
     fn below(&mut self, n: usize) -> usize {
         if n == 0 { 0 } else { self.0.below(n as u64) as usize }
     }
@@ -155,7 +155,7 @@ impl Draw {
         items.get(self.below(items.len()))
     }
 
-    /// A random range of a file of `len` bytes, mostly short.
+    /// Draws a range of a file of `len` bytes, which is mostly short.
     fn piece(&mut self, len: usize) -> std::ops::Range<usize> {
         let from = self.below(len + 1);
         let most = if self.below(4) > 0 { 16 } else { len };
@@ -223,7 +223,7 @@ fn change_number(file: &mut Vec<u8>, draw: &mut Draw) {
     let Some(place) = draw.choice(&numbers).cloned() else { return };
     let old: Option<f64> = String::from_utf8_lossy(&file[place.clone()]).parse().ok();
     let new = match old {
-        // Most files stay readable only if a number changes a little.
+        // Most files remain readable only if a number changes a little.
         Some(old) if draw.below(2) == 0 => {
             let factors = [-1.0, 0.5, 2.0, 10.0, 0.1, 1000.0, 1e-3, 1.0 + 1e-15, 1e6];
             let terms = [1.0, -1.0, 0.1, -0.25, 1e-9, 100.0];
@@ -239,7 +239,7 @@ fn change_number(file: &mut Vec<u8>, draw: &mut Draw) {
     file.splice(place, new.into_bytes());
 }
 
-/// Replaces a word or number of the file by another one of it.
+/// Replaces a word or number of the file by another one from the file.
 fn swap_words(file: &mut Vec<u8>, draw: &mut Draw) {
     let words = runs(file, |byte| byte.is_ascii_alphanumeric() || b"_.+-".contains(&byte));
     let (Some(from), Some(to)) = (draw.choice(&words).cloned(), draw.choice(&words).cloned())
@@ -250,7 +250,7 @@ fn swap_words(file: &mut Vec<u8>, draw: &mut Draw) {
     file.splice(to, text);
 }
 
-/// Deletes, doubles or moves a line.
+/// Deletes, duplicates or moves a line.
 fn change_line(file: &mut Vec<u8>, draw: &mut Draw) {
     let lines = runs(file, |byte| byte != b'\n');
     let (Some(from), Some(to)) = (draw.choice(&lines).cloned(), draw.choice(&lines).cloned())
@@ -270,7 +270,7 @@ fn change_line(file: &mut Vec<u8>, draw: &mut Draw) {
 fn big_endian(file: &mut [u8], draw: &mut Draw) {
     let numbers = [0, 1, 2, 7, 255, 65_535, 65_536, 1 << 24, i32::MAX as u32, 1 << 31, u32::MAX];
     let number = *draw.choice(&numbers).unwrap_or(&0);
-    // A PNG's width and height are near the beginning.
+    // The width and the height of a PNG are near the beginning.
     let most = if draw.below(2) == 0 { file.len().min(32) } else { file.len() };
     let at = draw.below(most.saturating_sub(3));
     if let Some(place) = file.get_mut(at..at + 4) {
@@ -278,7 +278,7 @@ fn big_endian(file: &mut [u8], draw: &mut Draw) {
     }
 }
 
-/// The ranges of successive bytes that satisfy `is`.
+/// Returns the ranges of successive bytes that satisfy `is`.
 fn runs(file: &[u8], is: impl Fn(u8) -> bool) -> Vec<std::ops::Range<usize>> {
     let mut runs = Vec::new();
     let mut start = None;

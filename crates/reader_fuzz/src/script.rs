@@ -1,33 +1,33 @@
-//! A driver that writes the lines of a file, one for each line that it is sent.
+//! A driver that writes the lines of a file, one for each line that it receives.
 
 use std::io::{Read, Write};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-/// Both ends of a driver that writes the file's lines. It waits for a line before it writes the
-/// next one, as drivers must, so that what happens does not depend on how fast threads are.
+/// Returns both ends of a driver that writes the lines of the file. It waits for a line before it writes the
+/// next one, as drivers must, so that the result does not depend on the speed of threads.
 pub(crate) fn script(file: &[u8]) -> (Input, Output) {
     let (to_output, lines) = channel();
     (Input(to_output), Output { lines, file: file.to_vec(), at: 0, end: 0 })
 }
 
-/// What the driver reads.
+/// The end that the driver reads from.
 pub(crate) struct Input(Sender<()>);
 
-/// What the driver writes.
+/// The end that the driver writes to.
 pub(crate) struct Output {
-    /// One for each line that was sent.
+    /// One message for each line that was sent to the driver.
     lines: Receiver<()>,
     file: Vec<u8>,
-    /// How many bytes are written.
+    /// The number of bytes that are written.
     at: usize,
-    /// How many bytes may be written before the next line is sent.
+    /// The number of bytes that may be written before the driver receives another line.
     end: usize,
 }
 
 impl Write for Input {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         for _ in bytes.iter().filter(|&&byte| byte == b'\n') {
-            // Who no longer writes may still be sent lines.
+            // A driver that no longer writes may still receive lines.
             let _ = self.0.send(());
         }
         Ok(bytes.len())
@@ -41,7 +41,7 @@ impl Write for Input {
 impl Read for Output {
     fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
         if self.at == self.end && self.at < self.file.len() {
-            // Without a sender the trial is over.
+            // If the sender is dropped, the trial is over.
             if self.lines.recv().is_err() {
                 return Ok(0);
             }

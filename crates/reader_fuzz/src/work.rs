@@ -1,4 +1,4 @@
-//! One process that reads many cases, and reports each before it begins.
+//! A process that reads many cases, and reports each before it starts.
 
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::formats::Format;
 use crate::mutate::mutated;
 
-/// Limit of computing time per case, in seconds.
+/// The limit of the computing time per case, in seconds.
 pub const LIMIT: f64 = 2.0;
 
-/// Stack size of the reading thread in bytes, as threads of a program have.
+/// The stack size of the reading thread in bytes, which is the default of Rust's threads.
 const STACK: usize = 2 << 20;
 
 /// The case that is being read.
@@ -47,10 +47,10 @@ pub fn work(format: &'static Format, cases: std::ops::Range<u64>) -> std::thread
     }
 }
 
-/// Whether a file was read.
+/// Returns whether a file could be read.
 ///
 /// # Errors
-/// The message and the place of a panic.
+/// Returns the message of a panic.
 pub fn attempt(format: &Format, file: &[u8]) -> Result<bool, String> {
     panic::catch_unwind(AssertUnwindSafe(|| (format.read)(file))).map_err(|payload| {
         let text = payload.downcast_ref::<String>().cloned();
@@ -59,15 +59,15 @@ pub fn attempt(format: &Format, file: &[u8]) -> Result<bool, String> {
     })
 }
 
-/// Seconds that all threads of this process have computed; elapsed seconds where the system does
-/// not report this.
+/// Returns the seconds that all threads of this process have computed, or the elapsed seconds if the system
+/// does not report this.
 pub fn seconds() -> f64 {
     computed().unwrap_or_else(clock)
 }
 
 fn computed() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The program's name, in brackets, may contain anything.
+    // The name of the program, in brackets, may contain any character.
     let rest = &text[text.rfind(')')? + 2..];
     let field = |n: usize| rest.split(' ').nth(n)?.parse::<f64>().ok();
     // User and system time, in hundredths of a second on every Linux.

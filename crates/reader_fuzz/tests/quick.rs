@@ -1,13 +1,13 @@
-//! Some mutated files of every format: neither readers nor the code that uses the result panics.
+//! Reads some mutated files of every format: neither the readers nor the code that uses the result may panic.
 
 use reader_fuzz::mutate::mutated;
 use reader_fuzz::work::attempt;
 use reader_fuzz::{FORMATS, corpus};
 
-/// Mutated files per format.
+/// The number of mutated files per format.
 const CASES: u64 = 150;
 
-/// Unchanged, every file of every corpus is read.
+/// Every unchanged file of every corpus can be read.
 #[test]
 fn every_file_of_a_corpus_is_read() {
     for format in FORMATS {
@@ -19,7 +19,7 @@ fn every_file_of_a_corpus_is_read() {
     }
 }
 
-/// Some mutated files are still read, others are refused.
+/// Some mutated files can still be read, and others are rejected.
 #[test]
 fn mutated_files_are_read_or_refused() {
     for format in FORMATS {
