@@ -1,28 +1,28 @@
 #![doc = include_str!("../README.md")]
 //!
-//! The larger programs of the project and their tests: see the folders `examples` and `tests`.
+//! The larger programs of the project and their tests, which are in the folders `examples` and `tests`.
 
-/// The snippets of the guide's chapter on Bevy.
+/// The doctests of the guide's chapter on Bevy.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/guide/bevy.md")]
 struct Bevy;
 
-/// The snippets of the guide's chapter on maps of a requested difficulty.
+/// The doctests of the guide's chapter on maps of a requested difficulty.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/guide/calibrated.md")]
 struct Calibrated;
 
-/// The snippets of the guide's chapter on forests.
+/// The doctests of the guide's chapter on forests.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/guide/forests.md")]
 struct Forests;
 
-/// The snippets of the guide's chapter on doors, people and smoke.
+/// The doctests of the guide's chapter on doors, people and smoke.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/guide/moving.md")]
 struct Moving;
 
-/// The snippets of the guide's chapter on trials.
+/// The doctests of the guide's chapter on trials.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/guide/trials.md")]
 struct Trials;

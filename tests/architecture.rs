@@ -1,7 +1,8 @@
-//! No two files of a crate or a program need each other, directly or through others: what a file needs is below it.
+//! Checks that no two files of a crate or a program depend on each other, directly or through other files.
 //!
-//! What a file needs are the modules in which the paths that it imports and mentions are defined. Methods that a type has in
-//! several files, and macros by their names alone, are not followed.
+//! A file depends on the modules in which the paths that it imports or mentions are defined. Methods of a
+//! type that is implemented in several files, and macros that are called by their names alone, are not
+//! followed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -12,18 +13,18 @@ use quote::ToTokens;
 use syn::punctuated::Punctuated;
 use syn::{Attribute, Item, Meta, Token, UseTree, Visibility};
 
-/// The names of a path, below the root of its crate where it names a module.
+/// The names of a path. If it names a module, it is relative to the root of its crate.
 type Names = Vec<String>;
 
-/// The modules of a crate without its unit tests, and what they name.
+/// The modules of a crate without its unit tests, and the paths in them.
 struct Modules<'a> {
-    /// The text of a file, if it exists.
+    /// Returns the text of a file, if the file exists.
     text: &'a dyn Fn(&Path) -> Option<String>,
     /// The file of each module.
     files: BTreeMap<Names, PathBuf>,
-    /// The path that a name is imported by, as written, by module and name.
+    /// The path, as written, from which each name of a module is imported.
     imports: BTreeMap<(Names, String), Names>,
-    /// Module, and a path in it.
+    /// The modules, each with a path that is mentioned in it.
     mentions: Vec<(Names, Names)>,
 }
 
@@ -36,7 +37,7 @@ impl<'a> Modules<'a> {
         modules
     }
 
-    /// Reads a file whose modules have their files in a folder.
+    /// Reads a file. `folder` contains the files of its modules.
     fn read_file(&mut self, file: &Path, folder: &Path, module: Names, source: &str) {
         let parsed = syn::parse_file(source).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
         self.read_items(file, folder, module, parsed.items);
@@ -92,7 +93,7 @@ impl<'a> Modules<'a> {
                 group.items.into_iter().for_each(import);
                 return;
             }
-            // What it exports would have to be searched in the other module.
+            // The other module would have to be searched for the items that it exports.
             UseTree::Glob(_) => {
                 assert!(!is_public, "{path:?} is exported as a whole in {module:?}");
                 (None, None)
@@ -106,7 +107,8 @@ impl<'a> Modules<'a> {
         self.imports.insert((module.clone(), alias), path);
     }
 
-    /// A path of a module from the root of the crate; `None` for other crates, and for paths of more than `depth` imports.
+    /// Returns a path in a module as a path from the root of the crate, or `None` for paths of other crates
+    /// and for paths through more than `depth` imports.
     fn absolute(&self, module: &Names, path: &Names, depth: usize) -> Option<Names> {
         let (first, rest) = path.split_first()?;
         let from = |module: &[String]| Some([module, rest].concat());
@@ -133,7 +135,8 @@ impl<'a> Modules<'a> {
         }
     }
 
-    /// The file of what a path from the root of the crate names, also where modules export it again.
+    /// Returns the file that defines what a path from the root of the crate names, even if other modules
+    /// re-export it.
     fn file(&self, path: &Names, depth: usize) -> Option<&Path> {
         if let Some(file) = self.files.get(path) {
             return Some(file);
@@ -149,7 +152,7 @@ impl<'a> Modules<'a> {
         exported.or_else(|| self.files.get(&module).map(PathBuf::as_path))
     }
 
-    /// The files that each file needs.
+    /// Returns the files on which each file depends.
     fn arrows(&self) -> BTreeMap<&Path, BTreeSet<&Path>> {
         let mut arrows: BTreeMap<&Path, BTreeSet<&Path>> = BTreeMap::new();
         for (module, path) in &self.mentions {
@@ -178,7 +181,7 @@ fn attributes(item: &Item) -> &[Attribute] {
     }
 }
 
-/// Whether it is compiled for tests alone.
+/// Returns whether an item is compiled only for tests.
 fn is_test(attributes: &[Attribute]) -> bool {
     let is_cfg = |attribute: &&Attribute| attribute.path().is_ident("cfg");
     attributes
@@ -197,7 +200,7 @@ fn needs_test(condition: &Meta) -> bool {
     }
 }
 
-/// The file that `#[path = "..."]` names.
+/// Returns the file that `#[path = "..."]` names.
 fn file_attribute(attributes: &[Attribute]) -> Option<String> {
     attributes.iter().find_map(|attribute| match &attribute.meta {
         Meta::NameValue(named) if named.path.is_ident("path") => {
@@ -208,8 +211,8 @@ fn file_attribute(attributes: &[Attribute]) -> Option<String> {
     })
 }
 
-/// The paths of at least two names in code, also in the arguments of macros and attributes. Those in braces after a path
-/// continue it.
+/// Collects the paths with at least two names in code, including those in the arguments of macros and
+/// attributes. Names in braces after a path continue that path.
 fn collect_paths(tokens: TokenStream, prefix: &[String], paths: &mut Vec<Names>) {
     let (mut path, mut colons) = (Names::new(), 0);
     for token in tokens {
@@ -236,7 +239,7 @@ fn collect_paths(tokens: TokenStream, prefix: &[String], paths: &mut Vec<Names>)
             other => {
                 paths.push(std::mem::take(&mut path));
                 colons = 0;
-                // Such as `with = "crate::module"` in an attribute.
+                // For example `with = "crate::module"` in an attribute.
                 if let TokenTree::Literal(literal) = other {
                     let text = literal.to_string();
                     let text = text.trim_matches('"');
@@ -251,14 +254,14 @@ fn collect_paths(tokens: TokenStream, prefix: &[String], paths: &mut Vec<Names>)
     paths.retain(|path| path.len() > 1);
 }
 
-/// Whether a group is that of `pub(in path)`.
+/// Returns whether a group is that of `pub(in path)`.
 fn is_visibility(group: &proc_macro2::Group) -> bool {
     let first = group.stream().into_iter().next();
     group.delimiter() == Delimiter::Parenthesis
         && first.is_some_and(|first| first.to_string() == "in")
 }
 
-/// The arrows between files that need each other.
+/// Returns the dependencies between files that depend on each other.
 fn circles<'a>(
     arrows: &BTreeMap<&'a Path, BTreeSet<&'a Path>>,
 ) -> BTreeMap<&'a Path, BTreeSet<&'a Path>> {
@@ -279,7 +282,7 @@ fn circles<'a>(
     arrows.filter(|(_, to)| !to.is_empty()).collect()
 }
 
-/// The files of a folder by which crates and programs begin.
+/// Returns the root files of the crates and programs in a folder.
 fn roots(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let mut roots: Vec<PathBuf> = entries
@@ -333,7 +336,7 @@ fn circles_are_noticed() {
     };
     let root = ("src/lib.rs", "mod a; pub use a::C; #[cfg(test)] mod tests;");
     let alone = ("src/a.rs", "mod b; pub use b::C; fn f() -> u8 { b::g() }");
-    // An item of the parent that only exports another child's is that child's.
+    // An item that the parent only re-exports from another child belongs to that child.
     let below =
         ("src/a/b.rs", "pub struct C; pub(in crate::a) fn g() -> u8 { let c: crate::C; 1 }");
     assert_eq!(find(&[root, alone, below]), [""; 0]);

@@ -1,4 +1,4 @@
-//! The specs under `assets/worlds` are what their users can rely on.
+//! Checks that users can rely on the specs under `assets/worlds`.
 
 use std::fs;
 use std::path::Path;

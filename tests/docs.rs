@@ -1,5 +1,5 @@
-//! The README, the guide and the crates' READMEs hold together: links, pictures, headings, chapters; and
-//! documentation, comments and messages keep to the words of the glossary.
+//! Checks the README, the guide and the READMEs of the crates: links, pictures, headings and chapters. Also
+//! checks that documentation, comments and messages use the words of the glossary.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,17 +12,17 @@ use mapping_trial::trial::{Setup, TrialSettings};
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 use serde_json::Value;
 
-/// The most lines of the README.
+/// The largest number of lines of the README.
 const README_LINES: usize = 170;
 
-/// What a page links to, and what can be linked in it.
+/// The links of a page, and what other pages can link to.
 #[derive(Default)]
 struct Page {
-    /// Targets of links and pictures, as written.
+    /// The targets of links and pictures, as written.
     targets: Vec<String>,
-    /// The names of its headings in links.
+    /// The anchors of its headings.
     anchors: BTreeSet<String>,
-    /// Whether it has snippets in Rust.
+    /// Whether it has code blocks in Rust.
     rust: bool,
 }
 
@@ -58,7 +58,7 @@ impl Page {
     }
 }
 
-/// The name of a heading in links, as on GitHub and in mdBook.
+/// Returns the anchor of a heading, as on GitHub and in mdBook.
 fn anchor(heading: &str) -> String {
     let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
     heading.to_lowercase().chars().filter(kept).map(|c| if c == ' ' { '-' } else { c }).collect()
@@ -68,7 +68,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The pages in a folder and below it, relative to the root.
+/// Returns the pages in a folder and below it, relative to the root.
 fn pages_below(folder: &Path) -> Vec<PathBuf> {
     let mut pages = Vec::new();
     for entry in fs::read_dir(root().join(folder)).unwrap() {
@@ -84,7 +84,7 @@ fn pages_below(folder: &Path) -> Vec<PathBuf> {
     pages
 }
 
-/// Every page, by its path relative to the root.
+/// Returns every page, by its path relative to the root.
 fn pages() -> BTreeMap<PathBuf, Page> {
     let mut paths = vec![PathBuf::from("README.md")];
     paths.extend(pages_below(Path::new("docs")));
@@ -99,7 +99,8 @@ fn pages() -> BTreeMap<PathBuf, Page> {
     paths.into_iter().map(read).collect()
 }
 
-/// The file that a relative link of a page means, relative to the root; `None` outside of the root.
+/// Returns the file that a relative link of a page refers to, relative to the root, or `None` if it is
+/// outside of the root.
 fn resolved(page: &Path, link: &str) -> Option<PathBuf> {
     if link.is_empty() {
         return Some(page.to_owned());
@@ -116,7 +117,7 @@ fn resolved(page: &Path, link: &str) -> Option<PathBuf> {
     Some(path)
 }
 
-/// What is wrong with a link, if anything.
+/// Returns what is wrong with a link, if anything.
 fn complaint(pages: &BTreeMap<PathBuf, Page>, page: &Path, target: &str) -> Option<String> {
     if target.contains("://") || target.starts_with("mailto:") {
         return None;
@@ -183,7 +184,7 @@ fn snippets_of_the_guide_are_compiled() {
     }
 }
 
-/// The features that a crate's manifest declares, without `default`.
+/// Returns the features that the manifest of a crate declares, without `default`.
 fn features(manifest: &str) -> Vec<&str> {
     let lines = manifest.lines().skip_while(|line| *line != "[features]").skip(1);
     let lines = lines.take_while(|line| !line.starts_with('['));
@@ -239,7 +240,7 @@ fn the_guide_names_every_public_module() {
     }
 }
 
-/// The names of a JSON value's fields, with those of the objects in it.
+/// Returns the names of the fields of a JSON value, including those of nested objects.
 fn fields(value: &Value) -> BTreeSet<String> {
     let Some(object) = value.as_object() else { return BTreeSet::new() };
     let below = |(name, value): (&String, &Value)| {
@@ -301,7 +302,7 @@ fn broken_links_are_noticed() {
     }
 }
 
-/// What is not written, and what is written instead; `docs/glossary.md` says why.
+/// The words that are not used, each with its replacement. `docs/glossary.md` gives the reasons.
 const WORDS: [(&str, &str); 17] = [
     ("way", "path, direction, method"),
     ("ways", "paths, directions, methods"),
@@ -322,7 +323,8 @@ const WORDS: [(&str, &str); 17] = [
     ("vertical range", "extent"),
 ];
 
-/// The words of a line that are not written, each with what is; code in it may hold any word.
+/// Returns the words of a line that are not used, each with its replacement. Code in the line may contain any
+/// word.
 fn wrong_words(line: &str) -> Vec<String> {
     let line: String = line.split('`').step_by(2).collect::<Vec<_>>().join(" ");
     let words = |text: &str| -> Vec<String> {
@@ -338,7 +340,7 @@ fn wrong_words(line: &str) -> Vec<String> {
     wrong.map(|(wrong, right)| format!("`{wrong}` ({right})")).collect()
 }
 
-/// The Rust files in a folder and below it, relative to the root.
+/// Returns the Rust files in a folder and below it, relative to the root.
 fn sources_below(folder: &Path) -> Vec<PathBuf> {
     let mut sources = Vec::new();
     for entry in fs::read_dir(root().join(folder)).into_iter().flatten() {
@@ -353,7 +355,8 @@ fn sources_below(folder: &Path) -> Vec<PathBuf> {
     sources
 }
 
-/// What a line of Rust says in English: its comment, or the texts between quotation marks and the name of its function.
+/// Returns the English text of a line of Rust: its comment, or else its string literals and the name of its
+/// function.
 fn comments_and_strings(line: &str) -> Cow<'_, str> {
     let line = line.trim_start();
     if line.starts_with("//") {
@@ -371,13 +374,13 @@ fn comments_and_strings(line: &str) -> Cow<'_, str> {
     Cow::Owned(texts.join(" "))
 }
 
-/// The columns of a line of the glossary before the last, which has the words that are not written.
+/// Returns all columns of a line of the glossary except the last, which has the words that are not used.
 fn terms_and_meanings(line: &str) -> Cow<'_, str> {
     let end = line.strip_suffix(" |").and_then(|line| line.rfind('|'));
     Cow::Borrowed(&line[..end.unwrap_or_default()])
 }
 
-/// The words of a file's name and of the folders that it is in.
+/// Returns the words in the name of a file and in those of the folders that contain it.
 fn names(path: &Path) -> String {
     path.with_extension("").to_string_lossy().replace(['/', '_', '-', '.'], " ")
 }
@@ -417,7 +420,7 @@ fn documentation_keeps_to_the_words_of_the_glossary() {
         folders.extend(["src", "examples", "tests", "benches"].map(|folder| of_crate.join(folder)));
     }
     for source in folders.iter().flat_map(|folder| sources_below(folder)) {
-        // The word list itself.
+        // This file contains the list of words itself.
         if source != Path::new("tests/docs.rs") {
             look(&source, comments_and_strings);
         }

@@ -1,4 +1,4 @@
-//! The example `mapping_trial`, as a user runs it.
+//! Tests the example `mapping_trial` as a user runs it.
 
 mod common;
 
@@ -9,10 +9,10 @@ use std::process::Stdio;
 
 use common::Example;
 
-/// What is run.
+/// The example that is tested.
 const EXAMPLE: Example = Example("mapping_trial");
 
-/// Name and bytes of every file in a folder.
+/// Returns the name and the bytes of every file in a folder.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     fs::read_dir(folder)
         .expect("a folder")
@@ -66,7 +66,7 @@ fn twice_and_replayed(engine: &str, moving: &[&str]) {
     #[cfg(unix)]
     for name in expected {
         use std::os::unix::fs::PermissionsExt;
-        // Whoever may read any file that is made here may read these.
+        // The files can be read by everyone who can read any other file that is created here.
         let usual = folder.path().join("usual");
         fs::write(&usual, "").expect("a file");
         let mode = |path: &Path| fs::metadata(path).expect("a file").permissions().mode();
@@ -105,7 +105,7 @@ fn a_bag_and_that_of_the_replay_are_the_same_bytes() {
             "trial.world.json",
         ];
         assert_eq!(names, expected);
-        // Another log in the same folder would make its metadata wrong.
+        // Another log in the same folder would make the metadata wrong.
         let other = at("first").join("other.mcap");
         let other = ["--size", "6", "--log", other.to_str().expect("a path")];
         assert!(EXAMPLE.error(&other, &at("other")).contains("describes another bag"));
@@ -171,7 +171,7 @@ fn no_file_that_is_read_is_written_over() {
         let error = EXAMPLE.error(&[option, input.to_str().expect("a path")], &out);
         assert!(error.contains(name) && error.contains("is the input"), "{error}");
     }
-    // The image that a description in another folder names is read too.
+    // The image that a description in another folder names is an input as well.
     let yaml = fs::read_to_string(out.join("ros_map.yaml")).expect("a file");
     let elsewhere = folder.path().join("map.yaml");
     fs::write(&elsewhere, yaml.replace("ros_map.pgm", "out/ros_map.pgm")).expect("a file");
@@ -222,7 +222,7 @@ fn impossible_arguments_are_reported() {
     fs::write(&wide, "Forest(width: -6)").expect("a file");
     let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);
     assert!(error.contains("wide.envgen.ron: `width` must be"), "{error}");
-    // A start that a trial could have, but no score.
+    // A trial could start here, but it would have no score.
     fs::write(&wide, "Hallway(segments: 3, width: 0.715)").expect("a file");
     let error = EXAMPLE.error(&["--world", wide.to_str().expect("a path")], &out);
     assert!(error.contains("`start` must be on ground to drive on with 0.36 m"), "{error}");

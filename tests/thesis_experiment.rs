@@ -1,4 +1,4 @@
-//! The example `thesis_experiment`, as a user runs it.
+//! Tests the example `thesis_experiment` as a user runs it.
 
 mod common;
 
@@ -6,7 +6,7 @@ use std::fs;
 
 use common::Example;
 
-/// Small maps and short trials: 2 levels x 2 maps, by five policies.
+/// Arguments for small maps and short trials: 2 levels x 2 maps, by five policies.
 const SMALL: [&str; 8] = [
     "--quick",
     "--levels=2,8",
@@ -18,7 +18,7 @@ const SMALL: [&str; 8] = [
     "--threads=2",
 ];
 
-/// What is run.
+/// The example that is tested.
 const EXAMPLE: Example = Example("thesis_experiment");
 
 #[test]
@@ -41,7 +41,7 @@ fn shards_join_into_the_report_of_one_run() {
         let read = |folder: &str| fs::read(out(folder).join(name)).expect("a file");
         assert!(read("whole") == read("merged"), "{name} differs");
     }
-    // What is finished is not run again; another design has no place in the folder.
+    // Finished trials are not run again, and the folder accepts no other design.
     let reported = EXAMPLE.ok(&SMALL, &out("whole"));
     assert!(reported.contains("20 of them were finished before"), "{reported}");
     let reported = EXAMPLE.error(&[&SMALL[..], &["--seed=1"]].concat(), &out("whole"));

@@ -7,8 +7,7 @@ use std::process::{Command, Output};
 pub(crate) struct Example(pub(crate) &'static str);
 
 impl Example {
-    /// The command of an example, which `cargo test` builds beside the tests, with its output
-    /// folder.
+    /// Returns the command of an example, with its output folder. Cargo builds the examples beside the tests.
     pub(crate) fn command(&self, arguments: &[&str], out: &Path) -> Command {
         let mut path = std::env::current_exe().expect("this test");
         path.pop();
@@ -25,7 +24,7 @@ impl Example {
         self.command(arguments, out).output().expect("the example starts")
     }
 
-    /// The output of a run that must succeed.
+    /// Returns the output of a run that must succeed.
     pub(crate) fn ok(&self, arguments: &[&str], out: &Path) -> String {
         let output = self.run(arguments, out);
         let errors = String::from_utf8_lossy(&output.stderr);
@@ -33,7 +32,7 @@ impl Example {
         String::from_utf8(output.stdout).expect("text")
     }
 
-    /// The error output of a run that must fail without a report.
+    /// Returns the error output of a run that must fail without a report.
     pub(crate) fn error(&self, arguments: &[&str], out: &Path) -> String {
         let output = self.run(arguments, out);
         assert!(!output.status.success(), "{arguments:?} went well");

@@ -12,10 +12,11 @@ use bevy_offscreen::{CaptureError, Studio, TakePicture};
 
 use super::SIZE;
 
-/// Height of the camera.
+/// The height of the camera in metres.
 const EYES: f32 = 1.3;
 
-/// Two rooms of 6 x 6 m side by side, the right one without light, with a pipe in each.
+/// Creates a world with two rooms of 6 x 6 m side by side, of which the right one has no light, with a pipe
+/// in each.
 fn rooms() -> World {
     let v = DVec2::new;
     let bounds = Rect::new(DVec2::ZERO, v(12.0, 6.0));
@@ -45,7 +46,7 @@ fn rooms() -> World {
     world
 }
 
-/// A studio with a world.
+/// Creates a studio with a world.
 fn studio(world: World, scenario: Option<Scenario>) -> Studio {
     let mut studio = Studio::new().unwrap();
     let settings = Visuals3dSettings { ceilings: true, ..default() };
@@ -60,7 +61,7 @@ fn studio(world: World, scenario: Option<Scenario>) -> Studio {
     studio
 }
 
-/// The middle of what one sees from a point that looks at another one.
+/// Returns the pixel in the centre of a picture that is taken from one point towards another.
 fn seen(studio: &mut Studio, from: Vec3, to: Vec3) -> [u8; 3] {
     let pose = Transform::from_translation(from).looking_at(to, Vec3::Z);
     let camera = studio.camera_3d(pose, 1.0, SIZE).unwrap();
@@ -83,14 +84,14 @@ fn walls_are_light_where_there_is_light_and_the_sky_is_blue() {
     // Plaster under warm lamps.
     assert!(red >= green && green >= blue && red - blue < 60, "{wall:?}");
     assert!(lightness(wall) > 130, "{wall:?}");
-    // The other side of a wall of a lit room.
+    // The back of a wall of the lit room, seen from the dark room.
     let dark = seen(&mut studio, x(9.0), x(6.1));
     assert!(lightness(dark) < 70 && lightness(dark) + 80 < lightness(wall), "{dark:?} {wall:?}");
     let lit = seen(&mut studio, x(3.0), x(5.9));
     assert!(lightness(lit) > 130, "{lit:?}");
     let sky = seen(&mut studio, Vec3::new(-20.0, 3.0, EYES), Vec3::new(-30.0, 3.0, 8.0));
     assert!(sky[2] > sky[0] + 20 && lightness(sky) > 120, "{sky:?}");
-    // Through the opening above the walls, a ceiling; from below, its panels.
+    // A ceiling, seen through the opening above the walls. From below, its panels are visible.
     let ceiling = seen(&mut studio, Vec3::new(1.0, 1.0, 1.0), Vec3::new(1.8, 1.8, 2.6));
     assert!(lightness(ceiling) > 100 && ceiling[2] <= ceiling[0], "{ceiling:?}");
 }
@@ -134,10 +135,11 @@ fn smoke_hides_more_the_thicker_it_is() {
     };
     let clear = seen_in(1e-3);
     let thick = seen_in(20.0);
-    // Thick smoke is all that one sees.
+    // Thick smoke hides everything else.
     assert!((thick.0 - thick.1).abs() < 4.0 && clear.0 - thick.0 > 20.0, "{clear:?} {thick:?}");
     let some = seen_in(0.3);
-    // Over 1 m a wall keeps 74 % of its contrast to smoke, over 5 m 22 %: roughly, in the curve of sRGB.
+    // After 1 m of smoke a wall keeps 74 % of its contrast, and after 5 m 22 %. These are rough values
+    // because of the sRGB curve.
     let kept = |of: f64, whole: f64| (of - thick.0) / (whole - thick.0);
     let (near, far) = (kept(some.0, clear.0), kept(some.1, clear.1));
     assert!((0.6..0.9).contains(&near) && (0.1..0.4).contains(&far), "{near} {far}");
@@ -174,7 +176,7 @@ fn pictures_that_an_app_asks_for_have_the_size_of_the_camera() {
         studio.step().unwrap();
     }
     let header = std::fs::read(path).unwrap();
-    // Width and height in a PNG's first chunk.
+    // The width and the height are in the first chunk of a PNG.
     let side = |at: usize| u32::from_be_bytes(header[at..at + 4].try_into().unwrap());
     assert_eq!(UVec2::new(side(16), side(20)), SIZE);
 }

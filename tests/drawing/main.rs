@@ -1,4 +1,4 @@
-//! Worlds as a driver draws them, without a window. Needs a graphics card, or Mesa's software Vulkan:
+//! Tests worlds as a driver draws them, without a window. Needs a graphics card or Mesa's software Vulkan:
 //! `cargo test --features render --test drawing`.
 
 mod height;
@@ -17,7 +17,7 @@ fn studio() -> Studio {
     studio
 }
 
-/// A world of a kind, and a camera that shows all of it.
+/// Spawns a world of a kind, and a camera that shows all of it.
 fn spawn(studio: &mut Studio, kind: &str, seed: u64) -> (Entity, Entity) {
     let spec = kind.parse::<WorldKind>().unwrap().default_spec();
     let environment = Environment::new(spec, seed).with_pace(GenerationMode::Blocking);
@@ -30,7 +30,7 @@ fn spawn(studio: &mut Studio, kind: &str, seed: u64) -> (Entity, Entity) {
     (world, studio.camera(area, SIZE).unwrap())
 }
 
-/// Whether a pixel has a colour, within what drivers round.
+/// Returns whether a pixel has a colour, up to the rounding of drivers.
 fn is(pixel: Option<[u8; 3]>, color: Color) -> bool {
     let wanted = color.to_srgba().to_u8_array_no_alpha();
     pixel.is_some_and(|pixel| pixel.iter().zip(wanted).all(|(a, b)| a.abs_diff(b) <= 2))
@@ -45,7 +45,7 @@ fn trees_are_drawn_where_they_stand() {
     let world = studio.app().world_mut();
     let truth = world.get::<GroundTruth>(forest).unwrap().clone();
     let green = WorldPalette::default().tree;
-    // As `Studio::camera` frames an area: a margin of 3 % on each side, the whole area visible.
+    // `Studio::camera` frames an area with a margin of 3 % on each side, so that the whole area is visible.
     let area = (truth.bounds.max - truth.bounds.min).as_vec2() * 1.06;
     let scale = (SIZE.as_vec2() / area).min_element();
     let middle = ((truth.bounds.min + truth.bounds.max) / 2.0).as_vec2();
@@ -53,7 +53,7 @@ fn trees_are_drawn_where_they_stand() {
         let at = (p - middle) * Vec2::new(scale, -scale) + SIZE.as_vec2() / 2.0;
         picture.pixel(at.x as u32, at.y as u32)
     };
-    // Those whose middles cover a pixel whole.
+    // Only trees that cover the pixel at their centre completely.
     let (mut seen, mut large) = (0, 0);
     for tree in truth.trees.iter().filter(|tree| tree.radius as f32 * scale > 2.0) {
         large += 1;
