@@ -14,7 +14,7 @@ use bevy_envgen::envgen::{Seed, World as EnvgenWorld, WorldSpec};
 use bevy_envgen::prelude::*;
 use bevy_envgen::visuals3d::TileMesh;
 
-/// Alternating rounds; the best of each side counts.
+/// The number of alternating rounds, of which the best time of each side counts.
 const ROUNDS: usize = 9;
 
 fn main() {
@@ -40,7 +40,7 @@ fn world(spec: &WorldSpec) -> Option<Arc<EnvgenWorld>> {
     }
 }
 
-/// An app that only spawns worlds, with meshes or without.
+/// Creates an app that only spawns worlds, with or without meshes.
 fn app(draws: bool) -> App {
     let mut app = App::new();
     app.add_plugins((TaskPoolPlugin::default(), AssetPlugin::default(), MeshPlugin));
@@ -53,10 +53,10 @@ fn app(draws: bool) -> App {
     app
 }
 
-/// Seconds until a world is spawned, and the number of meshes.
+/// Returns the seconds until a world is spawned, and the number of meshes.
 fn spawning(world: &Arc<EnvgenWorld>, draws: bool) -> (f64, usize) {
     let mut app = app(draws);
-    // What worlds share is made before.
+    // Assets that worlds share are created before.
     let rooms = IndoorSpec { width: 6, height: 6, ..default() };
     let small = Environment::new(rooms, 1).with_pace(GenerationMode::Blocking);
     let small = app.world_mut().spawn(small).id();
@@ -68,7 +68,7 @@ fn spawning(world: &Arc<EnvgenWorld>, draws: bool) -> (f64, usize) {
     (time, app.world_mut().query::<&TileMesh>().iter(app.world()).count())
 }
 
-/// The best times with meshes and without, and the number of meshes.
+/// Returns the best times with meshes and without, and the number of meshes.
 fn times(world: &Arc<EnvgenWorld>) -> (f64, f64, usize) {
     let mut best = (f64::INFINITY, f64::INFINITY, 0);
     for _ in 0..ROUNDS {
@@ -78,7 +78,7 @@ fn times(world: &Arc<EnvgenWorld>) -> (f64, f64, usize) {
     best
 }
 
-/// Tiles whose bodies are merged, light included.
+/// Measures tiles whose bodies are merged, including the light.
 fn building(name: &str, spec: &WorldSpec, limit: f64) {
     let Some(world) = world(spec) else { return };
     let (drawn, bare, count) = times(&world);
@@ -94,7 +94,7 @@ fn building(name: &str, spec: &WorldSpec, limit: f64) {
     at_most("from parts to meshes and light, against a millisecond", (1e3 * ours, 1.0), limit);
 }
 
-/// Trees, which share their meshes.
+/// Measures trees, which share their meshes.
 fn planting(name: &str, spec: &WorldSpec) {
     let Some(world) = world(spec) else { return };
     let (drawn, bare, count) = times(&world);

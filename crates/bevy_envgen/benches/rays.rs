@@ -14,16 +14,16 @@ use bevy_envgen::physics::ColliderMerging;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{step, test_app, truth, wait_until_ready};
 
-/// Range of the laser in metres: the SICK LMS 200's in millimetre mode.
+/// The range of the laser in metres, which is that of the SICK LMS 200 in millimetre mode.
 const RANGE: f64 = 8.19;
 
-/// Beams per scan, over half a circle.
+/// The number of beams per scan, over half a circle.
 const BEAMS: usize = 181;
 
-/// Scan positions per world.
+/// The number of scan positions per world.
 const PLACES: usize = 100;
 
-/// How many times faster than rapier's rays the exact ones should be.
+/// How many times faster than rapier's rays the exact rays should be.
 const TARGET: f64 = 3.0;
 
 fn main() {

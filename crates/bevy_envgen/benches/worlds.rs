@@ -13,7 +13,7 @@ use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{step, test_app, wait_until_ready};
 use bevy_envgen::{StreamingReport, Tile};
 
-/// Alternating rounds; the best of each side counts.
+/// The number of alternating rounds, of which the best time of each side counts.
 const ROUNDS: usize = 9;
 
 fn main() {
@@ -36,7 +36,7 @@ fn say(line: &str) {
     println!("{line}");
 }
 
-/// An app that only spawns worlds.
+/// Creates an app that only spawns worlds.
 fn bare_app() -> App {
     let mut app = App::new();
     app.add_plugins((EnvgenCorePlugin::default(), EnvgenPhysicsPlugin::default()));
@@ -44,9 +44,8 @@ fn bare_app() -> App {
     app
 }
 
-/// From a world to entities with colliders, against a hand-written `spawn_batch` of the same
-/// components for this world: the trees of each tile are known in advance, and nothing is looked
-/// up.
+/// Measures the time from a world to entities with colliders, against a hand-written `spawn_batch` of the
+/// same components. The baseline knows the trees of each tile in advance, and looks nothing up.
 fn spawning(world: &Arc<EnvgenWorld>) {
     let mut times = Vec::new();
     for _ in 0..ROUNDS {
@@ -65,7 +64,7 @@ fn spawning(world: &Arc<EnvgenWorld>) {
     at_most("from a world to children with colliders, against spawn_batch", times, 1.3);
 }
 
-/// The tiles of an app, with the trees in each.
+/// Returns the tiles of an app, with the trees in each.
 fn tiles(app: &mut App) -> Vec<(Tile, Vec<u32>)> {
     let world = app.world_mut();
     let mut tiles = world.query::<(&Tile, &Children)>();
@@ -112,8 +111,8 @@ fn by_hand(bare: &mut World, world: &EnvgenWorld, tiles: &[(Tile, Vec<u32>)]) {
     }
 }
 
-/// A static world that rapier steps: merged colliders against one collider per tree, by the plugin
-/// and hand-written with fixed bodies. The cost of the same app without a world is subtracted from
+/// Measures the steps of rapier in a static world: merged colliders against one collider per tree, by the
+/// plugin and hand-written with fixed bodies. The cost of the same app without a world is subtracted from
 /// each.
 fn resting(world: &Arc<EnvgenWorld>) {
     let app = |merge, solids| {
@@ -180,7 +179,7 @@ fn resting(world: &Arc<EnvgenWorld>) {
     }
 }
 
-/// A window that moves at 20 m/s through an endless forest of 0.05 trees per square metre.
+/// Measures an anchor that moves at 20 m/s through an endless forest of 0.05 trees per square metre.
 fn streaming() {
     const SPEED: f32 = 20.0;
     const FRAMES: usize = 2000;

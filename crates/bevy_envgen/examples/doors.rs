@@ -1,4 +1,5 @@
-//! An indoor map with people and doors, which open, close and slam by chance and spare who is in front of them.
+//! An indoor map with people, and with doors that open, close and slam at random, but do not hit anyone in
+//! front of them.
 //!
 //! `cargo run --release --example doors`
 
@@ -11,10 +12,10 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::time::common_conditions::on_timer;
 use bevy_envgen::prelude::*;
 
-/// Simulated seconds.
+/// The simulated seconds.
 const END: f32 = 12.0;
 
-/// How often doors have fully opened and closed, or were blocked, so far.
+/// A resource with the numbers of times that doors have fully opened and closed, or were blocked.
 #[derive(Resource, Default)]
 struct Changes {
     opened: usize,
@@ -26,7 +27,7 @@ fn main() -> AppExit {
     App::new()
         .add_plugins((MinimalPlugins, TransformPlugin, TopDownPhysicsPlugin::default()))
         .add_plugins(EnvgenPlugins::default())
-        // One step of physics per frame, as fast as the computer can: the same in every run.
+        // One step of physics per frame, as fast as the computer can. Every run is the same.
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
         .init_resource::<Changes>()
         .add_systems(Startup, ask_for_rooms)

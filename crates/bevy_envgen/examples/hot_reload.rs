@@ -13,14 +13,14 @@ use bevy::app::ScheduleRunnerPlugin;
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 
-/// Seconds after which a change that was not noticed is an error.
+/// The seconds after which an undetected change is an error.
 const PATIENCE: f32 = 60.0;
 
 #[derive(Resource)]
 struct SpecFile(PathBuf);
 
 fn main() -> Result<AppExit> {
-    // Deleted when `main` returns.
+    // The folder is deleted when `main` returns.
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("hall.envgen.ron");
     fs::write(&file, "Hallway(segments: 20)")?;

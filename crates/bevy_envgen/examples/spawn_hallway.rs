@@ -21,7 +21,7 @@ fn ask_for_hallway(mut commands: Commands) {
     commands.spawn(Environment::new(spec, 7));
 }
 
-/// All parts are spawned by now.
+/// Reports the hallway. All its parts are spawned at this time.
 fn report(
     ready: On<EnvironmentReady>,
     worlds: Query<&EnvironmentLandmarks>,

@@ -26,7 +26,7 @@ fn ask_for_worlds(mut commands: Commands) {
     commands.spawn((Name::new("forest"), Environment::new(ForestSpec::default(), 7), turned));
 }
 
-/// The event's entity has the start of its world, in the app's space.
+/// Spawns a player. The entity of the event has the start of its world, in global coordinates of the app.
 #[expect(clippy::print_stdout, reason = "the output of an example")]
 fn spawn_player(
     ready: On<EnvironmentReady>,

@@ -15,7 +15,7 @@ const STEP: f32 = 1.0;
 #[derive(Component)]
 struct Walker;
 
-/// Tile entities that were spawned and despawned so far.
+/// A resource with the numbers of tile entities that were spawned and despawned so far.
 #[derive(Resource, Default)]
 struct Totals {
     spawned: usize,
@@ -25,7 +25,8 @@ struct Totals {
 fn main() -> AppExit {
     App::new()
         .add_plugins((MinimalPlugins, TransformPlugin, EnvgenPlugins::default()))
-        // Counted in parts, not in time: the same tiles in the same frame of every run.
+        // The budget counts parts instead of time, so that every run spawns the same tiles in the same
+        // frames.
         .insert_resource(StreamingBudget::Parts(500))
         .init_resource::<Totals>()
         .add_systems(Startup, ask_for_forest)
@@ -37,7 +38,7 @@ fn main() -> AppExit {
 fn ask_for_forest(mut commands: Commands) {
     let walker = commands.spawn((Walker, Transform::default())).id();
     let forest = ForestSpec { intensity: 0.05, radius: 0.3, ..default() };
-    // Tiles of 12 m; everything within 40 m of the walker is spawned.
+    // Tiles have a side of 12 m, and everything within 40 m of the walker is spawned.
     commands.spawn((Environment::new(forest, 7).endless(12.0), StreamAround::new(walker, 40.0)));
 }
 
@@ -63,7 +64,7 @@ fn report(
         println!("x = {x} m: {tiles} tiles of {trees} trees; {spawned} spawned, {despawned} gone");
     }
     if x >= WAY {
-        // What lies behind is gone, and what lies around is there.
+        // The tiles behind the walker are despawned, and those around the walker are spawned.
         let streamed =
             totals.despawned > 0 && totals.spawned - totals.despawned == tiles.iter().count();
         exit.write(if streamed { AppExit::Success } else { AppExit::error() });

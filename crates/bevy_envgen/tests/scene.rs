@@ -24,18 +24,18 @@ fn app() -> App {
     with_hierarchy(app)
 }
 
-/// Without rapier, whose components do not all reflect.
+/// Creates an app without rapier, some of whose components do not reflect.
 fn app_without_physics() -> App {
     with_hierarchy(test_app_with((EnvgenCorePlugin::default(), EnvgenAssetPlugin)))
 }
 
-/// Scenes hold who is whose child, as they do in apps with Bevy's `reflect_auto_register`.
+/// Lets scenes hold the hierarchy, as in apps with Bevy's `reflect_auto_register`.
 fn with_hierarchy(mut app: App) -> App {
     app.register_type::<ChildOf>().register_type::<Children>();
     app
 }
 
-/// A scene of some entities, with all of their components that reflect.
+/// Saves a scene of some entities, with all of their reflected components.
 fn save(app: &App, entities: &[Entity]) -> String {
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let scene = DynamicWorldBuilder::from_world(app.world(), &registry)
@@ -44,7 +44,7 @@ fn save(app: &App, entities: &[Entity]) -> String {
     scene.serialize(&registry).unwrap()
 }
 
-/// The entities of a scene, by what they were in it.
+/// Loads a scene. Returns its entities by their ids in the scene.
 fn load(app: &mut App, text: &str) -> EntityHashMap<Entity> {
     let scene = {
         let registry = app.world().resource::<AppTypeRegistry>().read();
@@ -57,7 +57,7 @@ fn load(app: &mut App, text: &str) -> EntityHashMap<Entity> {
     entities
 }
 
-/// Every kind of source, with settings that are not the default ones.
+/// Returns environments of every kind of source, with settings that are not the default ones.
 fn environments(app: &App) -> Vec<Environment> {
     let mut environments: Vec<_> = WorldKind::ALL
         .iter()
@@ -107,7 +107,7 @@ fn a_scene_gives_the_same_world_in_another_app() {
             assert_eq!(*again, environment);
         }
         first.world_mut().despawn(root);
-        // It can be saved again.
+        // The loaded environment can be saved again.
         save(&second, &[loaded]);
     }
 }
@@ -125,7 +125,7 @@ fn a_streamed_world_follows_the_anchor_of_its_scene() {
     let text = save(&first, &[root, anchor]);
 
     let mut second = app();
-    // So that the same entities do not mean the same by chance.
+    // Other entities are spawned first, so that ids are not equal by chance.
     second.world_mut().spawn_batch((0..50).map(|i| Name::new(format!("other {i}"))));
     let entities = load(&mut second, &text);
     let (loaded, robot) = (entities[&root], entities[&anchor]);
@@ -179,7 +179,8 @@ fn a_clone_makes_a_world_of_its_own() {
         let mut tiles = app.world_mut().query_filtered::<&ChildOf, With<Tile>>();
         assert!(tiles.iter(app.world()).all(|tile| tile.parent() == root));
     }
-    // A clone of one that is streamed keeps its anchor, or takes the one that is cloned with it.
+    // A clone of a streamed environment keeps the anchor, or uses the clone of the anchor if it is cloned
+    // too.
     let anchor = app.world_mut().spawn(Transform::default()).id();
     app.world_mut().entity_mut(root).insert(StreamAround::new(anchor, 20.0));
     let clone = app.world_mut().entity_mut(root).clone_and_spawn();

@@ -10,13 +10,14 @@ use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec};
 use mapping_trial::trial::{TrialParts, TrialSettings};
 
-/// Number of maps.
+/// The number of maps.
 const MAPS: u64 = 3;
 
-/// Simulated seconds per trial.
+/// The simulated seconds per trial.
 const TIME_LIMIT: f64 = 60.0;
 
-/// How many pictures per second of the clock there should be at least, the trial included.
+/// The smallest number of pictures per second of real time that there should be, including the time of the
+/// trial.
 const RATE: f64 = 5.0;
 
 fn main() {

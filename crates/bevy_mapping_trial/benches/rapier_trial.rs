@@ -8,7 +8,7 @@ use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec};
 use mapping_trial::trial::{Trial, TrialSettings};
 
-/// Number of maps.
+/// The number of maps.
 const MAPS: u64 = 4;
 
 /// How many times faster than real time a trial should be.

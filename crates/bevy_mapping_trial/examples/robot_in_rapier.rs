@@ -1,4 +1,4 @@
-//! A robot in rapier that follows a hallway by its laser, driven by velocity commands.
+//! A robot in rapier that follows a hallway with its laser, driven by velocity commands.
 //!
 //! `cargo run --release --example robot_in_rapier`
 
@@ -11,7 +11,7 @@ use bevy::time::{TimeUpdateStrategy, common_conditions::on_timer};
 use bevy_envgen::prelude::*;
 use bevy_mapping_trial::prelude::*;
 
-/// Simulated seconds, and the distance from its start in metres that the robot must have by then.
+/// The simulated seconds, and the distance in metres from the start that the robot must reach in them.
 const END: f32 = 20.0;
 const LEAST_DISTANCE: f64 = 5.0;
 
@@ -19,7 +19,7 @@ fn main() -> AppExit {
     App::new()
         .add_plugins((MinimalPlugins, TransformPlugin, TopDownPhysicsPlugin::default()))
         .add_plugins((EnvgenPlugins::default(), RobotPlugin::default()))
-        // One step of physics per frame, as fast as the computer can: the same in every run.
+        // One step of physics per frame, as fast as the computer can. Every run is the same.
         .insert_resource(TimeUpdateStrategy::FixedTimesteps(1))
         .add_systems(Startup, ask_for_hallway)
         .add_systems(FixedUpdate, steer.before(RobotSystems::Drive))
@@ -42,14 +42,14 @@ fn spawn_robot(
     Ok(())
 }
 
-/// The shortest ranges to the right, ahead and to the left. The 181 beams run from right to left;
-/// those without an echo are infinite and lost ones NaN, which `min` leaves out.
+/// Returns the shortest ranges to the right, ahead and to the left. The 181 beams run from right to left.
+/// Beams without an echo are infinite, and lost ones are NaN, which `min` ignores.
 fn nearest(scan: &LaserScan) -> [f64; 3] {
     [20..80, 80..101, 101..161]
         .map(|beams| scan.ranges.get(beams).unwrap_or_default().iter().copied().fold(8.0, f64::min))
 }
 
-/// Drives on while there is room ahead, and turns to the side with more room.
+/// Drives on while there is free space ahead, and turns to the side with more free space.
 fn steer(mut robots: Query<(&LaserScan, &mut DriveCommand)>) {
     for (scan, mut command) in &mut robots {
         let [right, ahead, left] = nearest(scan);
@@ -65,7 +65,7 @@ fn report(time: Res<Time>, robot: Single<(&TruePose, &LaserScan)>) {
     println!("      {right:.2} m right, {ahead:.2} m ahead, {left:.2} m left");
 }
 
-/// Ends the app, with an error if the robot did not get far or collided.
+/// Ends the app, with an error if the robot has not driven far enough or has collided.
 fn end(time: Res<Time>, robots: Query<(&TruePose, &Bumper)>, mut exit: MessageWriter<AppExit>) {
     if time.elapsed_secs() > END {
         // The hallway starts at the origin.

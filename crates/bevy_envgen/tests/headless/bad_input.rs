@@ -1,4 +1,4 @@
-//! What cannot be is reported with a name, and the app continues.
+//! Invalid input is reported with a name, and the app continues.
 
 use bevy::prelude::*;
 use bevy_envgen::envgen::forest::ForestSpec;
@@ -11,7 +11,7 @@ use bevy_envgen::{EnvironmentError, MAX_PARTS, Tile};
 
 use super::spawned;
 
-/// The app still makes worlds, and rapier still steps.
+/// Checks that the app can still make worlds, and that rapier still runs.
 fn continues_to_run(app: &mut App) {
     let root = spawn_ready(app, Environment::new(HallwaySpec::default(), 1)).unwrap();
     step(app, 3);
@@ -71,7 +71,7 @@ fn two_environments_on_one_entity_leave_the_last() {
         let root = app.world_mut().spawn(slow.clone()).id();
         app.world_mut().entity_mut(root).insert(hallway().with_pace(pace));
         wait_until_ready(&mut app, root).unwrap();
-        // Also while the first is being made.
+        // The same while the first world is being generated.
         app.world_mut().entity_mut(root).insert(slow);
         step(&mut app, 1);
         app.world_mut().entity_mut(root).insert(hallway());
@@ -112,7 +112,7 @@ fn despawns_at_any_moment_leave_nothing() {
         step(&mut app, 30);
         assert_eq!((spawned(&mut app), in_rapier(&mut app).0), (0, 0), "after {frames} frames");
     }
-    // By the very event that reports it.
+    // Despawned by an observer of the very event that reports the world.
     app.add_observer(|ready: On<EnvironmentReady>, mut commands: Commands| {
         commands.entity(ready.entity).despawn();
     });
@@ -135,7 +135,7 @@ fn tiles_and_parts_that_a_user_despawns_are_no_trouble() {
     assert!(parts(&app, root).len() > 10);
     app.world_mut().despawn(root);
     step(&mut app, 2);
-    // Asked to be made again, but gone; or never there.
+    // A rebuild is requested of an entity that no longer exists, and of one that never had an environment.
     app.world_mut().trigger(RebuildEnvironment { entity: root });
     let nobody = app.world_mut().spawn_empty().id();
     app.world_mut().trigger(RebuildEnvironment { entity: nobody });
@@ -179,7 +179,7 @@ fn transforms_that_cannot_carry_a_world_are_named_and_mended() {
     ];
     for (transform, what) in bad {
         let mut app = test_app();
-        // From the start,
+        // The transform is invalid from the start,
         let root = app.world_mut().spawn((hallway(), transform)).id();
         let error = wait_until_ready(&mut app, root).unwrap_err();
         assert!(matches!(error, EnvironmentError::Transform { .. }), "{error}");
@@ -189,7 +189,7 @@ fn transforms_that_cannot_carry_a_world_are_named_and_mended() {
         step(&mut app, 3);
         assert_eq!(app.world().get(root), Some(&EnvironmentState::Ready), "{what}");
         let sound = parts(&app, root).len();
-        // while the world is there,
+        // while the world is spawned,
         *app.world_mut().get_mut::<Transform>(root).unwrap() = transform;
         step(&mut app, 4);
         assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed), "{what}");
@@ -198,7 +198,7 @@ fn transforms_that_cannot_carry_a_world_are_named_and_mended() {
         step(&mut app, 4);
         assert_eq!(parts(&app, root).len(), sound);
         app.world_mut().despawn(root);
-        // and in what it hangs below.
+        // and in the parent of the environment.
         let above = app.world_mut().spawn(transform).id();
         let root = app.world_mut().spawn((hallway(), ChildOf(above))).id();
         assert!(wait_until_ready(&mut app, root).is_err());
@@ -236,12 +236,12 @@ fn streams_that_cannot_be_are_named() {
         }
         let error = wait_until_ready(&mut app, root).unwrap_err();
         assert!(error.to_string().contains(says), "{says}: {error}");
-        // It is said once, not in every frame.
+        // The error is reported once, not in every frame.
         app.world_mut().entity_mut(root).observe(|_: On<EnvironmentFailed>| panic!("said twice"));
         step(&mut app, 3);
         app.world_mut().despawn(root);
     }
-    // An anchor that is nowhere, or nobody, is waited for.
+    // An environment waits for an anchor that has no finite position, or does not exist.
     let lost = app.world_mut().spawn(Transform::from_xyz(f32::NAN, 0.0, 0.0)).id();
     for anchor in [lost, Entity::PLACEHOLDER] {
         let around = StreamAround::new(anchor, 20.0);
@@ -250,7 +250,7 @@ fn streams_that_cannot_be_are_named() {
         assert_eq!(app.world().get(root), Some(&EnvironmentState::Streaming));
         app.world_mut().despawn(root);
     }
-    // One that is out of all bounds finds what can be numbered there.
+    // An anchor that is far out of bounds finds the tiles that can be numbered there.
     let far = app.world_mut().spawn(Transform::from_xyz(1e30, -1e30, 0.0)).id();
     let around = StreamAround::new(far, 20.0);
     let root = app.world_mut().spawn((forest().endless(10.0), around)).id();

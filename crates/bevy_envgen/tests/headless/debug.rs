@@ -1,4 +1,4 @@
-//! Lines over worlds.
+//! Tests of the gizmos over worlds.
 
 use bevy::gizmos::GizmoPlugin;
 use bevy::mesh::MeshPlugin;
@@ -10,7 +10,7 @@ use bevy_envgen::testing::{spawn_ready, step, test_app_with};
 use super::gizmos::lines;
 use super::inspector::{Inspected, inspect};
 
-/// An app with a building.
+/// Creates an app with a building.
 fn app() -> (App, Entity) {
     let mut app =
         test_app_with((MeshPlugin, GizmoPlugin, EnvgenPlugins::default(), EnvgenDebugPlugin));
@@ -42,7 +42,7 @@ fn outlines_lie_on_walls() {
         let walls = truth.walls.iter().map(|wall| &wall.shape);
         let things = truth.obstacles.iter().map(|thing| &thing.shape);
         let doors = truth.doorways.iter().map(|door| &door.shape);
-        // Sensors are colliders, too.
+        // Sensors are colliders too.
         let rooms = truth.rooms.iter().map(|room| &room.shape);
         let grounds = truth.surfaces.iter().map(|ground| &ground.shape);
         let shapes = walls.chain(things).chain(doors).chain(rooms).chain(grounds);
@@ -99,7 +99,7 @@ fn without_bevys_plugin_for_gizmos_nothing_is_drawn() {
     step(&mut app, 5);
 }
 
-/// What the crate keeps to itself and no inspector needs: bookkeeping of plugins and generators.
+/// The private types of the crate that no inspector needs, such as the state of plugins and generators.
 const PRIVATE: &[&str] = &[
     "bevy_envgen::debug::Drawable",
     "bevy_envgen::difficulty::DifficultyTask",
@@ -114,7 +114,7 @@ const PRIVATE: &[&str] = &[
     "bevy_envgen::visuals::moving::SmokeMesh",
 ];
 
-/// What is made again from an environment, and must not get into scenes.
+/// The components that are rebuilt from an environment, and must not be saved in scenes.
 const MADE_AGAIN: &[&str] = &[
     "bevy_envgen::difficulty::DifficultyFailure",
     "bevy_envgen::difficulty::EnvironmentDifficulty",

@@ -1,4 +1,4 @@
-//! The difficulty of worlds, requested as a user does it.
+//! The difficulty of worlds, requested as a user does.
 
 use std::time::Duration;
 
@@ -7,11 +7,11 @@ use bevy_envgen::envgen::calibration::Calibration;
 use bevy_envgen::envgen::difficulty::{DifficultyError, DifficultyVector, Platform};
 use bevy_envgen::prelude::*;
 
-/// Environments whose difficulty was reported.
+/// A resource with the environments whose difficulty was reported.
 #[derive(Resource, Default)]
 struct Reported(Vec<Entity>);
 
-/// An app as a user writes it: no plugin of ours but the group.
+/// Creates an app as a user does, with only the plugin group of this crate.
 fn user_app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, EnvgenPlugins::default()));
@@ -24,7 +24,7 @@ fn user_app() -> App {
     app
 }
 
-/// Runs frames until one more difficulty is reported.
+/// Runs frames until another difficulty is reported.
 fn wait(app: &mut App) -> Entity {
     let before = app.world().resource::<Reported>().0.len();
     for _ in 0..60_000 {
@@ -56,7 +56,7 @@ fn an_indoor_map_has_its_vector_and_prediction() {
     assert_eq!(found.vector, vector(&app, root, &Platform::default()));
     assert_eq!(found.prediction, Some(Calibration::indoor().predict(&found.vector)));
 
-    // Another world, and then another robot.
+    // First another world, and then another robot.
     *app.world_mut().get_mut::<Environment>(root).expect("an environment") = map(2);
     assert_eq!(wait(&mut app), root);
     let second = app.world().get::<EnvironmentDifficulty>(root).expect("a difficulty").clone();
@@ -73,7 +73,8 @@ fn an_indoor_map_has_its_vector_and_prediction() {
     assert_eq!(third.vector, vector(&app, root, &platform));
     assert_eq!(third.prediction, None, "predictions are for the default platform");
 
-    // Nothing changes, nothing is reported, also where the request is written again; and what is not requested is not there.
+    // If nothing changes, nothing is reported, even if the request is written again. A difficulty that is not
+    // requested is removed.
     let reported = app.world().resource::<Reported>().0.len();
     for _ in 0..5 {
         app.world_mut().get_mut::<ComputeDifficulty>(root).expect("a request").set_changed();

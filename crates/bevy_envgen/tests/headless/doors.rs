@@ -1,4 +1,4 @@
-//! Doors of scenarios: they obey, stop at agents and push other bodies.
+//! Doors of scenarios follow commands, stop at agents and push other bodies.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
@@ -10,14 +10,14 @@ use bevy_envgen::testing::{step, test_app, truth, wait_until_ready};
 
 use super::GenerateWorld;
 
-/// Doors in all open doorways that do what they are commanded.
+/// Requests doors in all open doorways, which move only on command.
 fn commanded(door_kind: DoorKinds) -> EnvironmentScenario {
     let door_control = DoorControl::Commanded;
     let spec = ScenarioSpec { doors: 1.0, door_kind, door_control, ..default() };
     EnvironmentScenario::new(spec, 1)
 }
 
-/// An app with an indoor map, and one of its doors.
+/// Creates an app with an indoor map, and returns one of its doors.
 fn building(kind: DoorKinds) -> (App, Entity, Entity) {
     let mut app = test_app();
     let environment = Environment::new(IndoorSpec::default(), 4);
@@ -28,7 +28,7 @@ fn building(kind: DoorKinds) -> (App, Entity, Entity) {
     (app, root, door)
 }
 
-/// The middle of a doorway, a unit vector through it, and half the thickness of its wall.
+/// Returns the centre of a doorway, a unit vector through it, and half the thickness of its wall.
 fn passage(app: &App, root: Entity, doorway: u32) -> (Vec2, Vec2, f32) {
     let bounds = truth(app, root).doorways[doorway as usize].shape.bounds();
     let half = 0.5 * bounds.size().as_vec2();
@@ -36,14 +36,14 @@ fn passage(app: &App, root: Entity, doorway: u32) -> (Vec2, Vec2, f32) {
     (bounds.center().as_vec2(), across, half.min_element())
 }
 
-/// Whether a ray of rapier through a doorway is stopped within the wall's thickness.
+/// Returns whether a ray of rapier through a doorway is stopped within the thickness of the wall.
 fn is_blocked(app: &mut App, root: Entity, doorway: u32) -> bool {
     let (middle, across, half) = passage(app, root, doorway);
     let reach = half + 0.05;
     let cast = move |context: ReadRapierContext| {
         let filter = QueryFilter::default().exclude_sensors();
         let context = context.single().unwrap();
-        // Beside the middle, where two leaves meet.
+        // Beside the centre, where two leaves meet.
         let from = middle - across * reach + 0.1 * across.perp();
         context.cast_ray(from, across, 2.0 * reach, true, filter).is_some()
     };
@@ -112,7 +112,7 @@ fn a_leaf_stops_at_an_agent_and_pushes_other_bodies() {
         if kind == DoorKinds::Sliding {
             continue;
         }
-        // A ball in front of a leaf that turns.
+        // A ball in front of a turning leaf.
         let leaf = app.world().get::<Children>(door).unwrap()[0];
         let tip = *app.world().get::<GlobalTransform>(leaf).unwrap();
         let at = tip.transform_point(Vec3::X * 0.4);
@@ -143,7 +143,7 @@ fn a_doorway_that_is_closed_in_the_world_is_solid() {
     for doorway in 0..doorways {
         assert!(is_blocked(&mut app, root, doorway));
     }
-    // No door can be in it.
+    // A closed doorway cannot have a door of a scenario.
     app.world_mut().entity_mut(root).insert(commanded(DoorKinds::Mixed));
     step(&mut app, 2);
     let failure = app.world().get::<ScenarioFailure>(root).unwrap().to_string();

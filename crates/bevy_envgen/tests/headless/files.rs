@@ -24,7 +24,7 @@ fn world_of(text: &str, seed: u64) -> EnvgenWorld {
     WorldSpec::from_ron(text).unwrap().generate(Seed(seed)).unwrap().to_world()
 }
 
-/// Runs frames until something holds, for at most ten seconds.
+/// Runs frames until a condition is true, for at most ten seconds.
 fn wait_for(app: &mut App, what: &str, mut holds: impl FnMut(&mut App) -> bool) {
     for _ in 0..10_000 {
         step(app, 1);
@@ -80,7 +80,7 @@ fn a_file_that_changes_changes_the_world_and_a_broken_one_does_not() {
     assert_eq!(app.world().get(root), Some(&EnvironmentState::Ready));
     assert!(app.world().resource::<Failures>().0.is_empty());
 
-    // A broken file and an impossible spec are reported, and the last world stays.
+    // A broken file and an invalid spec are reported, and the last world is kept.
     for (text, says) in [("Hallway(segments: 4", "1:"), ("Hallway(p_st: 1.5)", "p_st")] {
         fs::write(&file, text).unwrap();
         wait_for(&mut app, text, |app| {
@@ -93,7 +93,7 @@ fn a_file_that_changes_changes_the_world_and_a_broken_one_does_not() {
         assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed));
     }
 
-    // A mistake that is undone leaves the same spec.
+    // Undoing a mistake gives the same spec as before.
     fs::write(&file, "Hallway(segments: 40)").unwrap();
     let is_ready = |app: &mut App| app.world().get(root) == Some(&EnvironmentState::Ready);
     wait_for(&mut app, "the repair", is_ready);
@@ -125,7 +125,7 @@ fn a_spec_depends_on_the_rooms_that_it_names() {
     assert!(!rooms(&app).is_empty());
     assert!(rooms(&app).iter().all(|room| room.name == "cell" && room.lit));
 
-    // The room's file changes, and with it the map.
+    // When the file of the room changes, the map changes too.
     fs::write(&room, CELL.replace("difficulty: 5", "difficulty: 5, lit: false")).unwrap();
     wait_for(&mut app, "the change", |app| rooms(app).iter().all(|room| !room.lit));
 
@@ -190,7 +190,7 @@ fn files_that_are_missing_too_long_or_no_text_are_named() {
         let error = spawn_ready(&mut app, asked.clone()).unwrap_err();
         assert!(matches!(error, EnvironmentError::Asset { .. }), "{name}: {error}");
         assert!(error.to_string().contains(&format!("{name}.envgen.ron")), "{error}");
-        // Asked for once more, it fails once more: the server reports it only once.
+        // A second request fails as well, although the server reports the failure only once.
         let error = spawn_ready(&mut app, asked).unwrap_err();
         assert!(matches!(error, EnvironmentError::Asset { .. }), "{name}: {error}");
         let fine = Environment::new(WorldSpec::from_ron("Hallway()").unwrap(), 1);

@@ -1,4 +1,4 @@
-//! Worlds in headless Bevy apps, driven as a user drives them.
+//! Worlds in headless Bevy apps that are used as users use them.
 
 mod bad_input;
 #[cfg(feature = "debug")]
@@ -30,8 +30,8 @@ use bevy_envgen::Tile;
 use bevy_envgen::envgen::{WorldKind, WorldSpec};
 use bevy_envgen::prelude::*;
 
-/// A spec of every kind, of a size that is spawned in an instant, with doors, rooms, surfaces and
-/// obstacles where the kind has them.
+/// Returns a spec of every kind, small enough to spawn instantly, with doors, rooms, surfaces and obstacles
+/// if the kind has them.
 fn specs() -> Vec<WorldSpec> {
     let settings: &[(&str, &[(&str, &str)])] = &[
         ("hallway", &[("segments", "60"), ("p_st", "0.3"), ("door_frame_rate", "0.1")]),
@@ -65,7 +65,7 @@ fn specs() -> Vec<WorldSpec> {
         .collect()
 }
 
-/// Entities that this crate made: tiles, parts, leaves, meshes.
+/// Counts the entities that this crate has spawned: tiles, parts, leaves and meshes.
 fn spawned(app: &mut App) -> usize {
     let tiles = app.world_mut().query::<&Tile>().iter(app.world()).count();
     let parts = app.world_mut().query::<&PartId>().iter(app.world()).count();
@@ -85,7 +85,7 @@ impl GenerateWorld for IndoorSpec {
     }
 }
 
-/// The assets of the project.
+/// Returns the folder of the project's assets.
 fn assets() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets").canonicalize().unwrap()
 }

@@ -1,4 +1,4 @@
-//! The plugins beside others, and without them.
+//! The plugins together with other plugins, and without them.
 
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::ecs::system::SystemParam;
@@ -21,7 +21,7 @@ fn walls(app: &mut App) -> usize {
     app.world_mut().query::<&Wall>().iter(app.world()).count()
 }
 
-/// Bevy's plugin for assets, with those of the project.
+/// Creates Bevy's plugin for assets, with the assets of the project.
 fn asset_plugin() -> AssetPlugin {
     AssetPlugin { file_path: assets().to_string_lossy().into_owned(), ..default() }
 }
@@ -47,14 +47,14 @@ fn an_ambiguity_would_show() {
 
 #[test]
 fn each_plugin_works_without_its_neighbours() {
-    // Nothing but the core: no time, no task pools, no transforms, no assets, no rapier.
+    // Only the core plugin: no time, task pools, transforms, assets or rapier.
     let mut app = App::new();
     app.add_plugins(EnvgenCorePlugin::default());
     app.world_mut().spawn(hallway());
     app.update();
     assert!(walls(&mut app) > 0);
 
-    // Every plugin of the group, and none that they would like to have.
+    // Every plugin of the group, without any of the plugins that they can use.
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, EnvgenPlugins::default()));
     let root = app.world_mut().spawn(hallway()).id();
@@ -65,7 +65,7 @@ fn each_plugin_works_without_its_neighbours() {
     app.world_mut().despawn(root);
     step(&mut app, 2);
 
-    // The asset plugin after ours, and the parts of the group one by one in any order.
+    // Bevy's asset plugin is added after ours, and the plugins of the group one by one in any order.
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, EnvgenAssetPlugin));
     app.add_plugins((EnvgenPhysicsPlugin::default(), EnvgenCorePlugin::default()));
@@ -79,7 +79,7 @@ fn each_plugin_works_without_its_neighbours() {
     assert!(walls(&mut app) > 0);
 }
 
-/// Hooks that an app might have.
+/// Hooks as an app might have them.
 #[derive(SystemParam)]
 struct OwnHooks;
 
@@ -167,7 +167,7 @@ fn others_can_add_to_tiles_before_the_world_is_ready() {
     #[derive(Component)]
     struct Painted(u32);
 
-    // With state of its own, which a bare function could not have.
+    // The observer has state of its own, which a function could not have.
     let mut tiles = 0;
     let mut app = test_app();
     app.add_observer(

@@ -1,4 +1,4 @@
-//! Rapier and the pure crate see one world.
+//! Rapier and the crate `envgen` agree on the world.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
@@ -18,7 +18,7 @@ use super::specs;
 const RANGE: f64 = 15.0;
 const MILLIMETRE: f64 = 1e-3;
 
-/// Ranges of rays by rapier, sensors left out; `RANGE` where nothing is met.
+/// Returns the ranges of rapier's rays, without sensors, or `RANGE` for rays that hit nothing.
 fn ranges(app: &mut App, rays: Vec<(Vec2, Vec2)>) -> Vec<f64> {
     let cast = move |context: ReadRapierContext| {
         let context = context.single().unwrap();
@@ -34,7 +34,7 @@ fn ranges(app: &mut App, rays: Vec<(Vec2, Vec2)>) -> Vec<f64> {
     app.world_mut().run_system_once(cast).unwrap()
 }
 
-/// Random rays of a world: from anywhere in its bounds, inside of walls too.
+/// Returns random rays of a world, from anywhere in its bounds, including the inside of walls.
 fn rays(world: &EnvgenWorld, count: usize) -> Vec<(DVec2, f64)> {
     let mut stream = Seed(11).stream("test/rays", 0);
     let bounds = world.bounds;
@@ -47,8 +47,8 @@ fn rays(world: &EnvgenWorld, count: usize) -> Vec<(DVec2, f64)> {
         .collect()
 }
 
-/// Whether the range of a ray is within a millimetre of the exact one. A ray that grazes an edge may
-/// meet it or miss it: then a ray half a millimetre to one of its sides has that range.
+/// Returns whether the range of a ray is within a millimetre of the exact range. A ray that grazes an edge
+/// may hit or miss it, so it also agrees with the exact range of a ray half a millimetre to one of its sides.
 fn agrees(caster: &Raycaster, (from, heading): (DVec2, f64), range: f64) -> (bool, bool) {
     let exact = |from| caster.cast(from, heading, RANGE).map_or(RANGE, |hit| hit.distance);
     let close = |a: f64| (a - range).abs() <= MILLIMETRE;
@@ -120,7 +120,7 @@ fn a_clone_that_is_moved_leaves_the_colliders_of_the_original() {
         builder.linked_cloning(true);
     });
     app.world_mut().get_mut::<Transform>(clone).unwrap().translation.x = 500.0;
-    // Before its own world is there.
+    // Before the clone has a world of its own.
     app.world_mut().run_schedule(PostUpdate);
     step(&mut app, 1);
     assert_eq!(ranges(&mut app, rays.clone()), before.0);
@@ -158,7 +158,8 @@ fn rays_agree_in_an_environment_that_was_moved_and_turned() {
     }
 }
 
-/// Throws a body at every wall from where it is free, and returns those that got through.
+/// Throws a body at every wall that has free space in front of it, and returns the number of those that got
+/// through.
 fn throw(spec: &HallwaySpec, merge: ColliderMerging) -> usize {
     const SPEED: f32 = 10.0;
     const RADIUS: f64 = 0.15;
@@ -172,7 +173,7 @@ fn throw(spec: &HallwaySpec, merge: ColliderMerging) -> usize {
         ))
         .id();
     wait_until_ready(&mut app, root).unwrap();
-    // The bodies do not meet each other, so that every wall is tried at once.
+    // The bodies do not collide with each other, so that all walls are tested at once.
     let groups = CollisionGroups::new(Group::GROUP_1, !Group::GROUP_1);
     let mut thrown = Vec::new();
     for EnvgenWall { shape, .. } in &world.walls {
@@ -204,12 +205,12 @@ fn throw(spec: &HallwaySpec, merge: ColliderMerging) -> usize {
         step(&mut app, 1);
         for &(body, middle, out) in &thrown {
             let at = app.world().get::<Transform>(body).unwrap().translation.truncate().as_dvec2();
-            // Its middle is never behind the face while it is still before it.
+            // The centre of the body must not be behind the face while the body is still in front of it.
             let (depth, aside) = ((at - middle).dot(out), (at - middle).perp_dot(out));
             let inside = world.solids().any(|solid| solid.shape.contains(at));
             through += usize::from(inside || depth < -1.0 && aside.abs() < 0.05);
         }
-        // Pushed on as if by a motor, whatever the contact took.
+        // The bodies are driven on as if by a motor, whatever speed the contact took.
         for &(body, _, out) in &thrown {
             let mut velocity = app.world_mut().get_mut::<Velocity>(body).unwrap();
             velocity.linear = -out.as_vec2() * SPEED;
@@ -299,7 +300,7 @@ fn sensors_tell_who_is_in_a_room() {
 
 #[test]
 fn bodies_that_rise_pass_above_what_is_lower() {
-    // A box of 0.5 m in the path.
+    // A box of 0.5 m is in the path.
     let spec = ForestSpec { width: 10.0, height: 10.0, intensity: 0.0, ..default() };
     let mut world = spec.generate(Seed(1)).unwrap().to_world();
     let center = DVec2::new(5.0, 5.0);
@@ -386,7 +387,7 @@ fn parts_that_rise_let_pass_what_is_lower() {
     assert!(app.world().get::<Transform>(body).unwrap().translation.x > 6.5);
 }
 
-/// Whether a message of rapier's is forgotten after some frames.
+/// Returns whether a message of rapier is cleared after some frames.
 fn is_cleared<M: Message>(app: &mut App, message: M) -> bool {
     app.world_mut().write_message(message);
     assert!(!app.world().resource::<Messages<M>>().is_empty());

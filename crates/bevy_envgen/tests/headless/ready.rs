@@ -1,4 +1,4 @@
-//! What an app knows when the event comes that a world is ready.
+//! What an app can read when the event reports that a world is ready.
 
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
 use bevy::prelude::*;
@@ -11,13 +11,13 @@ use bevy_envgen::{StreamingReport, Tile};
 
 use super::specs;
 
-/// What the observer of a new user spawns.
+/// A component that the observer of a new user spawns.
 #[derive(Component)]
 struct Player {
     environment: Entity,
 }
 
-/// What an observer saw of the parts of one environment when its event came.
+/// A resource with what an observer saw of the parts of one environment when it was triggered.
 #[derive(Resource, Default)]
 struct Seen(Vec<(Entity, GlobalTransform)>);
 
@@ -43,7 +43,7 @@ fn look(
     seen.0.extend(everything.iter_many(below).map(|(entity, global)| (entity, *global)));
 }
 
-/// An app as a user writes it: no plugin of ours but the group.
+/// Creates an app as a user does, with only the plugin group of this crate.
 fn user_app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, EnvgenPlugins::default()));
@@ -53,7 +53,7 @@ fn user_app() -> App {
     app
 }
 
-/// A place that is moved and turned, below another one that is too.
+/// Returns a moved and rotated transform, and a parent that is moved and rotated too.
 fn odd_place(app: &mut App, i: usize) -> (Transform, Entity) {
     let turn = |angle: f32| Quat::from_rotation_z(angle + i as f32);
     let above = Transform::from_xyz(-40.0, 7.0 * i as f32, 0.0).with_rotation(turn(0.4));
@@ -62,7 +62,7 @@ fn odd_place(app: &mut App, i: usize) -> (Transform, Entity) {
     (if i == 1 { at.with_scale(Vec3::splat(2.0)) } else { at }, above)
 }
 
-/// Asserts that what was seen is what Bevy's propagation makes of it, to the bit.
+/// Asserts that what was seen is equal, to the last bit, to what Bevy's propagation gives.
 fn check_seen(app: &mut App) {
     let seen = std::mem::take(&mut app.world_mut().resource_mut::<Seen>().0);
     assert!(seen.len() > 10);
@@ -108,7 +108,7 @@ fn players_are_spawned_at_the_starts_of_their_own_worlds() {
             assert_eq!(own.len(), usize::from(world.start.is_some()));
             let (Some(start), Some(player)) = (world.start, own.first()) else { continue };
             found += 1;
-            // Where it should be, from the world itself and the transforms that the app gave.
+            // The expected pose is computed from the world itself and the transforms that the app has set.
             let above = app.world().get::<Transform>(above).unwrap();
             let place =
                 |p: DVec2| above.transform_point(at.transform_point(p.as_vec2().extend(0.0)));
@@ -118,7 +118,7 @@ fn players_are_spawned_at_the_starts_of_their_own_worlds() {
             let facing = player.rotation() * Vec3::X;
             assert!(facing.distance(ahead.normalize()) < 1e-3, "{facing} {ahead}");
             assert!((player.scale() - 1.0).abs().max_element() < 1e-5);
-            // And where the part is.
+            // The pose must also be that of the part.
             let part = starts.iter(app.world()).find(|(part, _)| part.0 == root).unwrap().1;
             assert!(part.translation().distance(player.translation()) < 1e-4);
         }
@@ -157,7 +157,7 @@ fn a_world_that_is_moved_while_it_is_streamed_is_right_when_it_is_ready() {
     let environment = Environment::new(spec, 2).with_pace(GenerationMode::Blocking);
     let root = app.world_mut().spawn((environment, StreamAround::new(anchor, 100.0))).id();
     for frame in 0..200 {
-        // With the anchor, so that its window stays.
+        // The environment moves together with the anchor, so that the streamed tiles remain the same.
         for entity in [root, anchor] {
             let mut at = app.world_mut().get_mut::<Transform>(entity).unwrap();
             at.translation.x += 1.0;
@@ -207,7 +207,7 @@ fn landmarks_follow_their_environment_and_their_parts() {
     let there = moved.transform_point(goal.local.translation);
     assert!(after.pose.translation.distance(there) < 1e-4);
 
-    // Another world has others; none, none.
+    // Another world has other landmarks, and a world without a start and a goal has none.
     let mut world = app.world().get::<GroundTruth>(root).unwrap().as_ref().clone();
     (world.start, world.goal) = (None, None);
     app.world_mut().entity_mut(root).insert(Environment::prebuilt(world));
@@ -223,7 +223,7 @@ fn a_failure_stays_until_the_world_is_ready() {
     let error = wait_until_ready(&mut app, root).unwrap_err();
     step(&mut app, 3);
     assert_eq!(app.world().get(root), Some(&EnvironmentFailure(error.clone())));
-    // While the next one is made it is still why there is none.
+    // While the next world is generated, the failure remains the reason why there is no world.
     let slow = Environment::new(HallwaySpec::default(), 1).with_pace(GenerationMode::Async);
     app.world_mut().entity_mut(root).insert(slow);
     app.update();
@@ -232,7 +232,7 @@ fn a_failure_stays_until_the_world_is_ready() {
     }
     wait_until_ready(&mut app, root).unwrap();
     assert!(!app.world().entity(root).contains::<EnvironmentFailure>());
-    // It goes with the environment, too.
+    // The failure is removed together with the environment.
     app.world_mut()
         .entity_mut(root)
         .insert(Environment::new(RoadSpec { length: -1.0, ..default() }, 1));
@@ -374,7 +374,7 @@ fn nothing_is_left_of_an_environment_that_an_observer_of_its_tiles_removes() {
     app.add_observer(|spawned: On<TileSpawned>, mut commands: Commands| {
         commands.entity(spawned.environment).remove::<Environment>();
     });
-    // Of several pages.
+    // The forest has several pages.
     let forest = ForestSpec { width: 200.0, height: 200.0, intensity: 0.1, ..default() };
     let pace = GenerationMode::Blocking;
     let root = app.world_mut().spawn(Environment::new(forest, 1).with_pace(pace)).id();

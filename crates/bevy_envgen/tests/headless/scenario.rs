@@ -14,7 +14,7 @@ use bevy_envgen::testing::{in_rapier, spawn_ready, step, test_app, truth, wait_u
 
 use super::GenerateWorld;
 
-/// Some of everything.
+/// Returns settings with doors, people and smoke.
 fn everything() -> ScenarioSpec {
     let reaction = Reactions::Mixed;
     ScenarioSpec {
@@ -32,7 +32,7 @@ fn indoor() -> Environment {
     Environment::new(IndoorSpec::default(), 4)
 }
 
-/// An app with an indoor map and everything in it.
+/// Creates an app with an indoor map and a scenario with everything.
 fn busy(seed: u64) -> (App, Entity) {
     let mut app = test_app();
     let scenario = EnvironmentScenario::new(everything(), seed);
@@ -45,7 +45,7 @@ fn state(app: &App, root: Entity) -> &ScenarioState {
     app.world().get::<ScenarioRun>(root).expect("a scenario").state()
 }
 
-/// Numbers of people, doors, leaves and places of smoke.
+/// Returns the numbers of people, doors, leaves and places of smoke.
 fn count(app: &mut App) -> [usize; 4] {
     let world = app.world_mut();
     [
@@ -63,7 +63,7 @@ fn everything_is_where_the_scenario_has_it_step_by_step() {
     let scenario = Scenario::new(&world, &everything(), Seed(3)).unwrap();
     assert_eq!(*app.world().get::<ScenarioRun>(root).unwrap().scenario(), scenario);
     let mut alone = ScenarioState::new(&world, &scenario).unwrap();
-    // The step of the frame in which it began.
+    // Catches up with the step of the frame in which the scenario began.
     alone.step(state(&app, root).time(), &[]).unwrap();
     let mut moved = 0;
     for _ in 0..64 * 30 {
@@ -112,7 +112,7 @@ fn frames_of_any_length_give_the_same_scenario() {
         let environment = indoor().with_pace(GenerationMode::Blocking);
         let root = app.world_mut().spawn((environment, scenario)).id();
         step(&mut app, 5);
-        // An agent that people and doors meet, from their start on.
+        // An agent that people and doors meet from their start.
         let body = (RigidBody::KinematicVelocityBased, Velocity::linear(Vec2::new(0.4, 0.1)));
         let start = Transform::from_xyz(5.0, 5.0, 0.0);
         app.world_mut().spawn((start, ScenarioAgent::new(0.3), Collider::ball(0.3), body));
@@ -169,7 +169,7 @@ fn nothing_is_left_of_a_scenario_that_is_gone() {
     app.world_mut().entity_mut(root).insert(EnvironmentScenario::new(everything(), 2));
     step(&mut app, 3);
     assert_eq!(count(&mut app)[0], 6);
-    // The world is gone without the entity, and then the entity.
+    // First the world is removed without the entity, and then the entity is despawned.
     let environment = app.world_mut().entity_mut(root).take::<Environment>().unwrap();
     step(&mut app, 3);
     assert_eq!((count(&mut app), in_rapier(&mut app)), ([0; 4], (0, 0)));
@@ -220,7 +220,7 @@ fn another_world_or_scenario_starts_from_its_beginning() {
     assert!(!app.world().entity(root).contains::<ScenarioRun>());
     assert_eq!(count(&mut app), [0; 4]);
 
-    // A listed scenario of another world.
+    // A listed scenario that is made for another world.
     let other = IndoorSpec::default().generate_world(9);
     let doors = ScenarioSpec { doors: 1.0, ..default() };
     let listed = Scenario::new(&other, &doors, Seed(1)).unwrap();
@@ -256,7 +256,7 @@ fn a_request_that_is_written_again_as_it_was_restarts_nothing() {
     }
     assert_eq!(app.world().get::<ScenarioRun>(root).unwrap().people(), people);
     assert!(state(&app, root).tick() > 15);
-    // One that fails is tried again only when something has changed.
+    // A scenario that has failed is tried again only when something has changed.
     let many = EnvironmentScenario::new(ScenarioSpec { people: 10_000, ..default() }, 1);
     app.world_mut().entity_mut(root).insert(many.clone());
     step(&mut app, 1);
@@ -293,7 +293,7 @@ fn agents_that_are_moved_in_jumps_are_not_faster() {
         seen.push(velocity(&app));
     }
     assert!(seen[20..].iter().all(|speed| (0.4..0.6).contains(speed)), "{seen:?}");
-    // It is put elsewhere.
+    // The agent is moved elsewhere.
     app.world_mut().get_mut::<Transform>(agent).unwrap().translation.x += 100.0;
     for _ in 0..10 {
         step(&mut app, 1);
@@ -427,7 +427,7 @@ fn another_origin_moves_nothing_before_its_world_is_there() {
         people.iter(app.world()).map(|(_, at)| at.translation).collect()
     };
     let before = places(&mut app);
-    // It fails: the previous world stays, and everything in it.
+    // The new environment fails, so the previous world is kept, with everything in it.
     let mut other = Environment::new(IndoorSpec { cell_size: -1.0, ..default() }, 1);
     other.origin = DVec2::splat(1000.0);
     app.world_mut().entity_mut(root).insert(other);

@@ -1,4 +1,4 @@
-//! Worlds that follow an anchor.
+//! Worlds that are streamed around an anchor.
 
 use std::time::Duration;
 
@@ -20,7 +20,7 @@ fn endless(min_distance: f64) -> Environment {
     Environment::new(spec, 7).endless(12.0)
 }
 
-/// An environment streamed around an anchor that does not move.
+/// Spawns an environment that is streamed around an anchor that does not move.
 fn streamed(app: &mut App, environment: Environment, at: Vec2, radius: f64) -> (Entity, Entity) {
     let anchor = app.world_mut().spawn(Transform::from_translation(at.extend(0.0))).id();
     let around = StreamAround::new(anchor, radius);
@@ -59,7 +59,7 @@ fn an_endless_forest_is_spawned_around_its_anchor() {
         wait_until_ready(&mut app, root).unwrap();
         let spawned = parts(&app, root);
         let truth = app.world().get::<EndlessTruth>(root).unwrap();
-        // All that is within the radius is there, each tree once, and where the forest has it.
+        // Everything within the radius is spawned, each tree once, and at its position in the forest.
         let p = at.as_dvec2();
         let window = WorldRect::new(p - 60.0, p + 60.0);
         let near = truth.window(window).unwrap();
@@ -88,7 +88,7 @@ fn a_world_that_always_has_something_to_do_starves_no_other() {
     let (_, anchor) = streamed(&mut app, blocking(endless(0.0)), Vec2::ZERO, 40.0);
     let (other, _) = streamed(&mut app, blocking(endless(0.0)), Vec2::ZERO, 10.0);
     for frame in 0..400 {
-        // Farther than the window is wide: all of it is to be spawned.
+        // The anchor moves by more than the width of its surroundings, so that all tiles must be spawned.
         let at = Vec3::X * 100.0 * frame as f32;
         app.world_mut().get_mut::<Transform>(anchor).unwrap().translation = at;
         step(&mut app, 1);
@@ -155,7 +155,7 @@ fn a_finite_world_has_the_same_parts_whether_streamed_or_not() {
         let environment = Environment::new(spec.clone(), 5);
         let (streamed, anchor) = streamed(&mut app, environment, middle, radius);
         wait_until_ready(&mut app, streamed).unwrap();
-        // Blocks of ground are cut by the tiles, all else is the same.
+        // Blocks of ground are cut by the tiles. Everything else is the same.
         let comparable = |root| {
             let mut parts = parts(&app, root);
             parts.retain(|part| part.id.kind != bevy_envgen::PartKind::Ground);
@@ -163,7 +163,7 @@ fn a_finite_world_has_the_same_parts_whether_streamed_or_not() {
         };
         assert_eq!(comparable(whole), comparable(streamed), "{spec:?}");
 
-        // Out of its reach nothing is left of it, in the ECS and in rapier.
+        // If the anchor is out of reach, nothing of the world is left in the ECS or in rapier.
         app.world_mut().despawn(whole);
         travel(&mut app, anchor, &[Vec2::splat(1e6)]);
         step(&mut app, 3);
@@ -187,7 +187,7 @@ fn parts_near_the_anchor_are_there_and_far_ones_are_not() {
         if distance <= 30.0 {
             assert!(there.contains(&id));
         }
-        // A tile is 7.5 m wide; the farthest corner of one that is reached is 10.7 m beyond.
+        // A tile is 7.5 m wide, so the farthest corner of a tile within the radius is 10.7 m beyond it.
         if distance > 30.0 + 10.7 {
             assert!(!there.contains(&id));
         }
@@ -202,7 +202,7 @@ fn an_environment_that_is_moved_streams_around_the_anchor_as_it_sees_it() {
         .with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
     app.world_mut().entity_mut(root).insert(at);
     wait_until_ready(&mut app, root).unwrap();
-    // 100 m ahead in the world is 100 m to the right, at -y, of a frame that is turned left.
+    // 100 m ahead in the world is 100 m to the right, at -y, of a frame that is rotated to the left.
     let seen = parts(&app, root);
     let mean = seen.iter().map(|part| part.transform.translation).sum::<Vec3>() / seen.len() as f32;
     assert!(mean.distance(Vec3::new(0.0, -100.0, 0.0)) < 10.0, "{mean}");
@@ -242,7 +242,7 @@ fn a_budget_of_parts_is_kept_and_the_same_in_every_run() {
             let before = parts(&app, root).len();
             step(&mut app, 1);
             let after = parts(&app, root).len();
-            // Whole steps of at most 128 parts.
+            // The budget is exceeded by at most one step of 128 parts.
             assert!(after.abs_diff(before) <= 200 + 128, "{before} {after}");
             let StreamingReport { spawned, despawned, waiting, .. } = *app.world().resource();
             history.push((after, spawned, despawned, waiting));
@@ -273,7 +273,7 @@ fn changes_of_the_window_are_followed() {
     settle(&mut app);
     assert_eq!(parts(&app, root).len(), small);
 
-    // The same as a component of its own, whose side of tiles is another and not used.
+    // Inserting another component does the same. Its side of tiles differs, but is not used.
     let spawned: Vec<Entity> = tiles(&mut app);
     app.world_mut().entity_mut(root).insert(StreamAround::new(anchor, 50.0));
     settle(&mut app);
@@ -283,12 +283,12 @@ fn changes_of_the_window_are_followed() {
     settle(&mut app);
     assert_eq!(parts(&app, root).len(), small);
 
-    // Without its anchor the world stays as it is.
+    // If the anchor does not exist, the world is kept as it is.
     app.world_mut().despawn(anchor);
     step(&mut app, 5);
     assert_eq!(parts(&app, root).len(), small);
 
-    // A finite world that is no longer streamed is spawned whole.
+    // A finite world that is no longer streamed is spawned as a whole.
     let anchor = app.world_mut().spawn(Transform::default()).id();
     let spec = ForestSpec { width: 200.0, height: 200.0, ..default() };
     let around = StreamAround::new(anchor, 20.0);
@@ -314,7 +314,7 @@ fn nothing_is_reported_of_a_world_that_another_one_is_requested_in_place_of() {
     let (root, _) = streamed(&mut app, first, Vec2::ZERO, 20.0);
     step(&mut app, 2);
     assert!(app.world().resource::<StreamingReport>().waiting > 0);
-    // One that fails: the previous world stays, but is not what was asked for.
+    // The new request fails: the previous world is kept, but is not what was requested.
     let bad = Environment::new(ForestSpec { radius: -1.0, ..default() }, 1);
     app.world_mut().entity_mut(root).insert(bad);
     settle(&mut app);
@@ -322,7 +322,7 @@ fn nothing_is_reported_of_a_world_that_another_one_is_requested_in_place_of() {
     assert_eq!(app.world().resource::<Ready>().0, 0);
     assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed));
     assert!(app.world().entity(root).contains::<EnvironmentFailure>());
-    // The first one again.
+    // Requests the first world again.
     let first = endless(0.0).with_pace(GenerationMode::Blocking);
     app.world_mut().entity_mut(root).insert(first);
     wait_until_ready(&mut app, root).unwrap();
@@ -331,7 +331,8 @@ fn nothing_is_reported_of_a_world_that_another_one_is_requested_in_place_of() {
 
 #[test]
 fn tiles_that_a_fast_anchor_leaves_behind_do_not_pile_up() {
-    // A column of seven tiles ahead and one behind for each 12 m: more than the budget of a frame.
+    // Per 12 m, a column of seven tiles must be spawned ahead and one despawned behind, which is more than
+    // the budget of a frame.
     for (budget, metres) in [(1, 12.0), (60, 36.0)] {
         let mut app = test_app();
         app.insert_resource(StreamingBudget::Parts(budget));

@@ -1,4 +1,4 @@
-//! What worlds look like, without anything that draws.
+//! The two-dimensional meshes of worlds, tested without a renderer.
 
 use bevy::mesh::{Mesh2d, MeshPlugin};
 use bevy::prelude::*;
@@ -8,14 +8,14 @@ use bevy_envgen::prelude::*;
 use bevy_envgen::scenario::DoorKinds;
 use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth, wait_until_ready};
 
-/// An app that could draw, but for the GPU.
+/// Creates an app with everything that drawing needs except a GPU.
 fn app() -> App {
     let mut app = test_app_with((MeshPlugin, EnvgenPlugins::default()));
     app.init_asset::<ColorMaterial>();
     app
 }
 
-/// The area that is drawn for one group of parts, in square metres.
+/// Returns the area in square metres that is drawn for one group of parts.
 fn area(app: &mut App, group: &str) -> f32 {
     let mut drawn = app.world_mut().query::<(&Name, &Mesh2d)>();
     let meshes = app.world().resource::<Assets<Mesh>>();
@@ -59,7 +59,7 @@ fn what_is_drawn_has_the_area_of_the_parts() {
             truth.road_strips.iter().map(|strip| strip.path().length() * strip.width).sum();
         for (group, exact, tolerance) in [
             ("Wall", walls, 1e-3),
-            // Some are discs, which are drawn with corners, as trees are.
+            // Some obstacles are discs, which are drawn as polygons, as trees are.
             ("Obstacle", things, 0.02),
             ("Tree", trees, 0.1),
             ("Class", cells, 1e-3),
@@ -137,7 +137,7 @@ fn materials_are_shared_and_everything_goes_with_the_environment() {
         })
         .collect();
     let materials = app.world().resource::<Assets<ColorMaterial>>().len();
-    // At most one for every group but those of classes.
+    // There is at most one material for every group, except for those of classes.
     assert!(materials <= 13, "{materials}");
     assert!(app.world().resource::<Assets<Mesh>>().len() > materials);
     for root in roots {

@@ -1,4 +1,4 @@
-//! What worlds consist of in three dimensions, without anything that draws.
+//! The three-dimensional meshes of worlds, tested without a renderer.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use bevy_envgen::visuals3d::{Figure, Finish, Palette3d, Sky, Stage, Sun, TileMes
 
 use crate::{GenerateWorld, specs};
 
-/// An app that could draw, but for the GPU.
+/// Creates an app with everything that drawing needs except a GPU.
 fn app() -> App {
     let visuals = EnvgenVisuals3dPlugin::default();
     let mut app = test_app_with((MeshPlugin, EnvgenPlugins::default(), visuals));
@@ -28,13 +28,13 @@ fn indoor(side: u32) -> Environment {
     Environment::new(IndoorSpec { width: side, height: side, ..default() }, 4)
 }
 
-/// Number of meshes of tiles.
+/// Returns the number of meshes of tiles.
 fn meshes(app: &mut App) -> usize {
     app.world_mut().query::<&TileMesh>().iter(app.world()).count()
 }
 
-/// The volume in the meshes of some finishes, in cubic metres, by the theorem of Gauss, and the least and greatest
-/// corner.
+/// Returns the volume of the meshes of some finishes in cubic metres, by the theorem of Gauss, and their
+/// lowest and highest corners.
 fn volume(app: &mut App, is_counted: impl Fn(Finish) -> bool) -> (f64, Vec3, Vec3) {
     let mut drawn = app.world_mut().query::<(&TileMesh, &Mesh3d, &Transform)>();
     let meshes = app.world().resource::<Assets<Mesh>>();
@@ -44,7 +44,7 @@ fn volume(app: &mut App, is_counted: impl Fn(Finish) -> bool) -> (f64, Vec3, Vec
         let corners = mesh.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
         let corner = |i: usize| at.transform_point(Vec3::from(corners[i]));
         let indices: Vec<usize> = mesh.indices().unwrap().iter().collect();
-        // About a corner near by, so that rounding stays small.
+        // Corners are relative to a corner nearby, so that rounding errors are small.
         let pivot = corner(indices[0]);
         for t in indices.chunks(3) {
             let [a, b, c] = [t[0], t[1], t[2]].map(|i| {
@@ -114,7 +114,7 @@ fn a_large_building_needs_few_draws() {
     spawn_ready(&mut app, indoor(16)).unwrap();
     let count = meshes(&mut app);
     assert!((5..=60).contains(&count), "{count} meshes");
-    // Every mesh has one of few materials, and belongs to a tile.
+    // Every mesh has one of a few materials, and belongs to a tile.
     let mut drawn = app.world_mut().query_filtered::<&ChildOf, With<TileMesh>>();
     let tiles: Vec<Entity> = drawn.iter(app.world()).map(ChildOf::parent).collect();
     assert!(tiles.iter().all(|tile| app.world().entity(*tile).contains::<bevy_envgen::Tile>()));
@@ -122,7 +122,7 @@ fn a_large_building_needs_few_draws() {
     assert!(materials <= 12, "{materials}");
 }
 
-/// Bodies with the same mesh and material are one draw.
+/// Bodies with the same mesh and material are drawn with one call.
 #[test]
 fn what_moves_needs_few_draws() {
     let mut app = app();
@@ -139,7 +139,7 @@ fn what_moves_needs_few_draws() {
     let bodies = plain.iter(world).count();
     let draws: BTreeSet<_> =
         plain.iter(world).map(|(mesh, material)| (mesh.id(), material.id())).collect();
-    // All smoke has one mesh; that it has one material is a test of its file.
+    // All smoke shares one mesh. A test in the file of the smoke checks that it shares one material.
     let of_bodies: BTreeSet<_> = draws.iter().map(|(mesh, _)| *mesh).collect();
     let meshes: BTreeSet<_> = world.query::<&Mesh3d>().iter(world).map(|mesh| mesh.id()).collect();
     assert_eq!(meshes.len(), of_bodies.len() + 1);
@@ -184,7 +184,7 @@ fn trees_far_from_every_camera_have_fewer_triangles() {
     let spec = ForestSpec { width: 400.0, height: 20.0, intensity: 0.1, ..default() };
     spawn_ready(&mut app, Environment::new(spec, 1)).unwrap();
     let eye = |x| (Camera3d::default(), Transform::from_xyz(x, 10.0, 1.0));
-    // Triangles of trees, and their least distance to these places.
+    // The triangles of trees, and their smallest distance to these positions.
     let triangles = |app: &mut App, eyes: &[f32]| {
         step(app, 1);
         let mut drawn = app.world_mut().query::<(&TileMesh, &Mesh3d, &Transform)>();
@@ -210,7 +210,7 @@ fn trees_far_from_every_camera_have_fewer_triangles() {
     for (distance, count) in triangles(&mut app, &[0.0]) {
         assert_eq!(count, expected(distance), "{distance}");
     }
-    // Another camera, and one that moves.
+    // Adds another camera, and moves one.
     app.world_mut().spawn(eye(390.0));
     for (distance, count) in triangles(&mut app, &[0.0, 390.0]) {
         assert_eq!(count, expected(distance), "{distance}");
@@ -221,7 +221,7 @@ fn trees_far_from_every_camera_have_fewer_triangles() {
     for (distance, count) in found {
         assert_eq!(count, expected(distance), "{distance}");
     }
-    // All the triangles, where distance makes nothing smaller, and if that is asked for.
+    // All triangles are drawn with an orthographic projection, and if the settings say so.
     let flat = Projection::Orthographic(OrthographicProjection::default_3d());
     app.world_mut().entity_mut(first).insert(flat);
     assert!(triangles(&mut app, &[0.0]).iter().all(|(_, count)| *count == 120));
@@ -250,7 +250,7 @@ fn ceilings_are_shown_on_demand() {
     app.world_mut().resource_mut::<Visuals3dSettings>().ceilings = true;
     step(&mut app, 2);
     assert!(shown(&mut app));
-    // The sun does not come in.
+    // The sun does not shine in.
     assert_eq!(suns(&mut app), 0);
 }
 
@@ -274,7 +274,7 @@ fn each_world_has_one_stage_that_goes_with_it() {
         suns.iter(app.world()).filter(|sun| **sun != Visibility::Hidden).count()
     };
     assert_eq!(shining(&mut app), 1);
-    // Settings that are written again as they were change nothing, others do.
+    // Settings that are written with the same values change nothing, and others do.
     let entities = |app: &mut App| -> Vec<Entity> {
         let mut stages = app.world_mut().query_filtered::<Entity, With<Stage>>();
         stages.iter(app.world()).collect()
@@ -325,7 +325,7 @@ fn people_doors_and_smoke_have_bodies() {
         assert!((scale.z - 2.1).abs() < 0.02, "{scale}");
         assert_eq!(world.get::<Mesh3d>(mesh).unwrap().0, shared);
     }
-    // The tags of boxes say how thick they are.
+    // The tags of the boxes have their extinction coefficient.
     let mut smoke = world.query::<(&bevy_envgen::scenario::Smoke, &Children)>();
     let boxes: Vec<_> = smoke
         .iter(world)
@@ -336,7 +336,7 @@ fn people_doors_and_smoke_have_bodies() {
         let MeshTag(tag) = world.get::<MeshTag>(entity).expect("a box of smoke has a tag");
         let root = f64::from(tag >> 12) / 8192.0;
         assert!((root * root - extinction).abs() < 1e-3, "{extinction} {root}");
-        // Lit rooms, and dark ones.
+        // There are lit rooms and dark rooms.
         let light = f64::from(tag & 4095) / 4095.0;
         assert!((light - 0.75).abs() < 1e-3 || light < 0.2, "{light}");
     }
@@ -400,7 +400,7 @@ fn the_sky_is_switched_on_and_off() {
         step(&mut app, 2);
         assert_eq!(skies(&app, cameras), all);
     }
-    // The box of an app is left alone.
+    // A skybox of the app is not removed.
     app.world_mut().entity_mut(bare).insert(Skybox::default()).remove::<Sky>();
     step(&mut app, 2);
     assert_eq!(skies(&app, cameras)[0], (false, true));

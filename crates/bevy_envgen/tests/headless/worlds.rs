@@ -1,4 +1,4 @@
-//! Environments of every kind come, change and go.
+//! Environments of every kind are spawned, changed and removed.
 
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ fn every_kind_spawns_each_part_of_its_world() {
         assert_eq!(parts(&app, root).len(), all);
         let stats = app.world().get::<EnvironmentStats>(root).unwrap();
         assert_eq!(stats.parts, Some(all));
-        // The ids are distinct, and every part has a name.
+        // The ids are unique, and every part has a name.
         assert!(parts(&app, root).windows(2).all(|pair| pair[0].id < pair[1].id));
         let mut named = app.world_mut().query::<(&PartId, &Name)>();
         assert!(named.iter(app.world()).all(|(id, name)| name.as_str() == id.to_string()));
@@ -67,8 +67,8 @@ fn the_same_seed_gives_the_same_parts_and_another_seed_others() {
     }
 }
 
-/// The parts of fixed specs and seeds, frozen. A change here is **value-breaking** for users who
-/// compare runs, unless it comes with a raised value version of the kind.
+/// The parts of fixed specs and seeds, which are frozen. A change here is **value-breaking** for users who
+/// compare runs, unless the value version of the kind is raised with it.
 #[test]
 fn digests_are_frozen() {
     let frozen = [
@@ -125,7 +125,7 @@ fn changing_the_component_rebuilds_and_keeps_what_is_not_ours() {
     assert_ne!(first, second);
     assert_eq!(app.world().get::<ChildOf>(pet).unwrap().parent(), root);
 
-    // Inserting over it is a change, too; touching it without a change is none.
+    // Inserting another environment is a change too. Marking it as changed without a change is not.
     app.world_mut().entity_mut(root).insert(Environment::new(HallwaySpec::default(), 1));
     wait_until_ready(&mut app, root).unwrap();
     assert_eq!(digest(&app, root), first);
@@ -138,7 +138,7 @@ fn changing_the_component_rebuilds_and_keeps_what_is_not_ours() {
     let mut now = app.world_mut().query_filtered::<Entity, With<Tile>>();
     assert_eq!(now.iter(app.world()).collect::<Vec<_>>(), tiles);
 
-    // On request, it is generated again all the same.
+    // On request, the world is generated again even so.
     app.world_mut().trigger(RebuildEnvironment { entity: root });
     step(&mut app, 2);
     assert_eq!(digest(&app, root), first);
@@ -293,7 +293,7 @@ fn solids_as_data_are_the_same_parts_and_no_entities() {
         assert_eq!(count::<PartId>(&mut app), expected.len() - solids);
         assert_eq!(count::<TileSolids>(&mut app) > 0, solids > 0);
 
-        // Asked for, they are entities again; nothing of either is left behind.
+        // If requested, they become entities again, and nothing is left of the other form.
         app.world_mut().get_mut::<Environment>(root).unwrap().solids = SolidStorage::Entities;
         wait_until_ready(&mut app, root).unwrap();
         assert_eq!((count::<TileSolids>(&mut app), parts(&app, root)), (0, expected));

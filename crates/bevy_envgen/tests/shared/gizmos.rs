@@ -1,4 +1,4 @@
-//! The lines that gizmos draw.
+//! Reads the lines that gizmos draw.
 
 use std::any::TypeId;
 
@@ -7,7 +7,8 @@ use bevy::prelude::*;
 use bevy_envgen::debug::EnvgenGizmos;
 use bevy_envgen::testing::step;
 
-/// The ends of the lines that are drawn with some layers, those of lists and those of strips.
+/// Returns the ends of the lines that are drawn with some layers: those of line lists and those of line
+/// strips.
 pub(crate) fn lines(app: &mut App, layers: impl Resource) -> (Vec<Vec2>, Vec<Vec2>) {
     app.insert_resource(layers);
     step(app, 2);

@@ -1,4 +1,4 @@
-//! What inspectors see of the components and resources of a crate.
+//! Lists what inspectors see of the components and resources of a crate.
 
 use std::collections::BTreeSet;
 
@@ -9,15 +9,15 @@ use bevy::reflect::TypeInfo;
 /// The components and resources of a crate, by their paths.
 #[derive(Default)]
 pub(crate) struct Inspected {
-    /// The number of those that the app's registry of types knows.
+    /// The number of types that are in the type registry of the app.
     pub(crate) known: usize,
-    /// Those that it does not know.
+    /// The types that are not in the registry.
     pub(crate) unknown: BTreeSet<String>,
-    /// Those that it knows, but that show nothing of what they hold.
+    /// The types that are in the registry, but are opaque.
     pub(crate) closed: BTreeSet<String>,
 }
 
-/// Inspects what an app holds of a crate.
+/// Inspects the components and resources of a crate in an app.
 pub(crate) fn inspect(app: &App, name_of_crate: &str) -> Inspected {
     let world = app.world();
     let registry = world.resource::<AppTypeRegistry>().read();

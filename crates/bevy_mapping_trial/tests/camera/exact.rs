@@ -1,4 +1,4 @@
-//! Depths and labels against rays through the bodies of worlds.
+//! Compares depths and labels with rays through the bodies of worlds.
 
 use std::sync::{Arc, Mutex};
 
@@ -16,14 +16,14 @@ use envgen::pieces::{Form, pieces};
 use envgen::scenario::Target;
 use envgen::{Seed, Stream, WorldKind};
 
-/// Depths may differ by this much, in metres.
+/// The largest difference of depths in metres.
 const SAME: f64 = 1e-3;
 
-/// The frames that were taken.
+/// A resource with the frames that were taken.
 #[derive(Resource, Default, Clone)]
 struct Taken(Arc<Mutex<Vec<Arc<CameraFrame>>>>);
 
-/// A world with a robot whose camera takes depths and labels in every frame.
+/// A world with a robot whose camera takes depth and label images in every frame.
 struct Scene {
     studio: Studio,
     environment: Entity,
@@ -69,11 +69,11 @@ impl Scene {
         truth.expect("a world").0.clone()
     }
 
-    /// What the robot sees from a place.
+    /// Returns what the camera of the robot takes at a pose.
     fn look(&mut self, at: Vec2, heading: f32) -> Arc<CameraFrame> {
         let pose = Transform::from_translation(at.extend(0.0))
             .with_rotation(Quat::from_rotation_z(heading));
-        // Rapier reads it before Bevy updates it.
+        // Rapier reads the global transform before Bevy updates it.
         let pose = (pose, GlobalTransform::from(pose));
         self.studio.app().world_mut().entity_mut(self.robot).insert(pose);
         self.studio.step().unwrap();
@@ -81,13 +81,13 @@ impl Scene {
     }
 }
 
-/// Counts of pixels.
+/// The numbers of pixels that agree.
 #[derive(Debug, Default)]
 struct Agreement {
     pixels: usize,
     depths: usize,
     labels: usize,
-    /// Those that are not at silhouettes.
+    /// The number of pixels that are not at silhouettes.
     clear: usize,
     clear_depths: usize,
     clear_labels: usize,
@@ -108,9 +108,9 @@ fn compare(frame: &CameraFrame, bodies: &[(u32, &Form<'_>)], agreement: &mut Agr
             let expected = hit.map_or(f64::INFINITY, |hit| hit.distance);
             let found = f64::from(depth[pixel]);
             let is_same = |a: f64, b: f64| a == b || (a - b).abs() <= SAME;
-            // Single precision resolves no more.
+            // Single precision does not resolve more.
             let has_depth = is_same(found, expected) || (found - expected).abs() <= 1e-7 * expected;
-            // Of surfaces at the same place the label may be either's.
+            // Where surfaces of two bodies coincide, the label may be that of either.
             let is_there = |i: usize| {
                 alone[i].cast(from, ray, 1e4).is_some_and(|hit| is_same(hit.distance, expected))
             };
@@ -121,7 +121,7 @@ fn compare(frame: &CameraFrame, bodies: &[(u32, &Form<'_>)], agreement: &mut Agr
                         || (0..bodies.len()).any(|i| bodies[i].0 == labels[pixel] && is_there(i))
                 }
             };
-            // A fiftieth of a pixel beside it, is there the same body?
+            // The pixel is not at a silhouette if rays a fiftieth of a pixel beside it hit the same body.
             let shift = 0.02 / frame.optics.focal_length;
             let is_clear =
                 [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].iter().all(|(x, y)| {
@@ -148,7 +148,8 @@ fn compare(frame: &CameraFrame, bodies: &[(u32, &Form<'_>)], agreement: &mut Agr
 }
 
 impl Agreement {
-    /// All but a thousandth agree; of those that are not at silhouettes, which are almost all, everything.
+    /// Checks that all but a thousandth of the pixels agree, and all of those that are not at silhouettes,
+    /// which are almost all.
     #[track_caller]
     fn check(&self, of: &str) {
         let most = |count: usize, all: usize| count as f64 >= 0.999 * all as f64;
@@ -160,7 +161,7 @@ impl Agreement {
     }
 }
 
-/// A random pose in a world.
+/// Returns a random pose in a world.
 fn pose(world: &envgen::World, stream: &mut Stream) -> (Vec2, f32) {
     for _ in 0..200 {
         let (min, max) = (world.bounds.min, world.bounds.max);
@@ -203,7 +204,7 @@ fn depths_and_labels_are_those_of_rays() {
             agreement.check(&format!("{kind}, seed {seed}"));
         }
     }
-    // Something was seen.
+    // Some bodies were visible.
     assert!(total > 100_000, "{total}");
 }
 
@@ -268,7 +269,8 @@ fn robots_see_each_other() {
     let middle = (frame.optics.height / 2 * frame.optics.width + frame.optics.width / 2) as usize;
     let (depth, labels) = (frame.depth.as_ref().unwrap(), frame.labels.as_ref().unwrap());
     assert_eq!(frame.names.get(labels[middle]).expect("a label").name, "robot_1");
-    // From 0.3 m ahead of one middle to the back of the other.
+    // The distance is from the camera, 0.3 m ahead of the centre of its robot, to the back of the other
+    // robot.
     let back = 0.5 * RobotModel::default().length;
     assert!((f64::from(depth[middle]) - (1.7 - back)).abs() < 1e-3, "{}", depth[middle]);
 }

@@ -1,4 +1,4 @@
-//! Cameras of robots, drawn without a window. Needs a graphics card, or Mesa's software Vulkan.
+//! The cameras of robots, drawn without a window. Needs a graphics card or Mesa's software Vulkan.
 
 mod exact;
 mod recording;

@@ -1,4 +1,4 @@
-//! Trials whose pictures are written.
+//! Trials whose pictures are written to files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -23,7 +23,7 @@ fn settings(world: &World) -> TrialSettings {
     TrialSettings { time_limit: 6.0, robots: 2, start: world.start, ..Default::default() }
 }
 
-/// All files below a folder.
+/// Returns all files below a folder.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -80,7 +80,7 @@ fn a_recorded_trial_is_the_same_trial() {
     assert!(first == again, "the pictures of the replay differ");
 
     let json: Value = serde_json::from_slice(&first[Path::new("robot_1/frames.json")]).unwrap();
-    // At 0, 0.5, .. 6 s: the last one when the trial is over.
+    // Pictures are taken at 0, 0.5, .. 6 s, the last one when the trial is over.
     let frames = json["frames"].as_array().unwrap();
     assert_eq!(frames.len(), 13);
     for (i, frame) in frames.iter().enumerate() {
@@ -101,7 +101,7 @@ fn a_recorded_trial_is_the_same_trial() {
     let colors = png(&first[Path::new("robot_1/rgb/000013.png")]).1;
     let different: std::collections::BTreeSet<&[u8]> = colors.chunks_exact(3).collect();
     assert!(different.len() > 50, "{} colours", different.len());
-    // Every label has a meaning, and the floor is among them.
+    // Every label has a meaning, and the floor is among the labels.
     let named: BTreeMap<u64, &str> = json["labels"]
         .as_array()
         .unwrap()
@@ -115,7 +115,7 @@ fn a_recorded_trial_is_the_same_trial() {
     assert!(
         named.values().any(|kind| *kind == "room") && named.values().any(|kind| *kind == "ceiling")
     );
-    // The pose at the start, 0.55 m up and 0.2 m ahead.
+    // The pose of the camera at the start is 0.55 m up and 0.2 m ahead.
     let start = trial.trajectory(0).poses[0];
     let position = frames[0]["position"].as_array().unwrap();
     let at = start.to_world(bevy_envgen::envgen::glam::DVec2::new(0.2, 0.0));
@@ -200,7 +200,7 @@ fn films_show_what_the_first_robot_sees() {
     assert!(matches!(wrong, Err(RecordingError::Drawing(_))));
 }
 
-/// In the open, where the sun casts shadows.
+/// A trial outdoors, where the sun casts shadows.
 #[test]
 fn colours_are_taken_under_the_sun() {
     let spec = ForestSpec { width: 20.0, height: 20.0, intensity: 0.05, ..Default::default() };

@@ -10,7 +10,8 @@ use bevy_mapping_trial::camera::{
 };
 use bevy_mapping_trial::prelude::*;
 
-/// Spawns a robot with a camera in an app without a renderer; returns what its camera complained of.
+/// Spawns a robot with a camera in an app without a renderer, and returns the errors that were reported for
+/// it.
 fn errors(camera: RobotCamera, world: Option<Environment>) -> Vec<CameraError> {
     let plugins = (EnvgenPlugins::default(), RobotPlugin::default(), RobotCameraPlugin);
     let mut app = test_app_with(plugins);

@@ -1,4 +1,4 @@
-//! Lines over trials.
+//! Tests of the gizmos over trials.
 
 use bevy::gizmos::GizmoPlugin;
 use bevy::mesh::MeshPlugin;
@@ -16,7 +16,7 @@ use super::gizmos::lines;
 use super::inspector::{Inspected, inspect};
 use super::view::Flat;
 
-/// An app with a trial of a building, driven for so many ticks.
+/// Creates an app with a trial in a building that has run for a number of ticks.
 fn app(ticks: usize) -> (App, Entity) {
     let mut app = test_app_with((
         MeshPlugin,
@@ -65,7 +65,7 @@ fn rays_frontiers_and_plans_are_those_of_the_trial() {
     let at = autonomy.slam().estimate(0).pose.position.as_vec2();
     assert!(rays.chunks(2).all(|ray| (ray[0].distance(at) - 0.21).abs() < 1e-3));
 
-    // Each cell is a cross of two lines, its middle free with something unknown beside it.
+    // Each frontier cell is a cross of two lines. Its centre is free, with an unknown cell beside it.
     assert!(frontiers.len() >= 40 && frontiers.len().is_multiple_of(4));
     let map = autonomy.slam().map();
     for cross in frontiers.chunks(4) {
@@ -96,7 +96,7 @@ fn without_bevys_plugin_for_gizmos_nothing_is_drawn() {
     step(&mut app, 5);
 }
 
-/// What the crate keeps to itself and no inspector needs: bookkeeping of plugins.
+/// The private types of the crate that no inspector needs, such as the state of plugins.
 const PRIVATE: &[&str] = &[
     "bevy_mapping_trial::robot::ground::GroundIndex",
     "bevy_mapping_trial::robot::model::Fitted",
@@ -107,7 +107,7 @@ const PRIVATE: &[&str] = &[
     "bevy_mapping_trial::view::drawing::Drawing",
 ];
 
-/// Components of the numbers of other crates, which do not reflect.
+/// Components with values of other crates' types that do not reflect.
 const CLOSED: &[&str] = &[
     "bevy_mapping_trial::robot::model::RobotModel",
     "bevy_mapping_trial::trial::component::ManualControl",

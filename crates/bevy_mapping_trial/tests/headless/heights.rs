@@ -1,4 +1,4 @@
-//! What lasers of a height see in rapier, and what stops robots of a height.
+//! What lasers at a height detect in rapier, and what stops robots of a height.
 
 use bevy::prelude::*;
 use bevy_envgen::HeightRange;
@@ -17,7 +17,7 @@ use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::robot::Robot;
 use mapping_trial::trial::TrialSettings;
 
-/// A corridor of 10 x 2 m along x.
+/// Returns a world with a corridor of 10 x 2 m along x.
 fn corridor() -> EnvWorld {
     let bounds = Rect::new(DVec2::ZERO, DVec2::new(10.0, 2.0));
     let mut world = EnvWorld::new(Provenance::other("test", serde_json::Value::Null), bounds);
@@ -33,7 +33,7 @@ fn slab(y0: f64, y1: f64) -> Shape {
     Shape::from_rect(Rect::new(DVec2::new(5.0, y0), DVec2::new(6.0, y1)))
 }
 
-/// With a block from 4 to 5 m ahead of the start, across its whole width.
+/// Returns the corridor with a block 4 to 5 m ahead of the start, across its whole width.
 fn with_block(bottom: f64, top: f64) -> EnvWorld {
     let mut world = corridor();
     let height = Some(Height::new(bottom, top).unwrap());
@@ -47,7 +47,7 @@ fn robot(height: f64, laser: f64) -> Robot {
     robot
 }
 
-/// The range straight ahead in metres, and how far a robot drives ahead in 16 s.
+/// Returns the range straight ahead in metres, and how far a robot drives ahead in 16 s.
 fn ahead(world: &EnvWorld, model: &Robot, colliders: ColliderSettings) -> (f64, f64) {
     let mut app = test_app_with((EnvgenPlugins::default(), RobotPlugin::default()));
     let environment = spawn_ready(&mut app, Environment::prebuilt(world.clone())).unwrap();
@@ -85,7 +85,7 @@ fn what_is_lower_than_the_laser_is_not_seen_but_stops_the_robot() {
             (0.0, 0.45, 5.0, 5.0),
             // Over the laser, lower than the top at 0.5 m.
             (0.47, 1.0, 10.0, 5.0),
-            // Over the robot.
+            // Above the robot.
             (0.5, 1.0, 10.0, 10.0),
             (2.1, 2.6, 10.0, 10.0),
         ] {
@@ -107,7 +107,7 @@ fn a_lower_robot_passes_below_and_a_lower_laser_sees() {
     }
 }
 
-/// A corridor with an open door of the usual height.
+/// Returns a corridor with an open door of the usual height.
 fn with_doorway() -> EnvWorld {
     let mut world = corridor();
     world.walls.extend([slab(0.0, 0.5), slab(1.5, 2.0)].map(|s| Side::new(SideKind::Wall, s)));
@@ -132,7 +132,7 @@ fn lintels_stop_what_is_higher_than_the_opening() {
     }
 }
 
-/// An app for trials, in which an update is a tick.
+/// Creates an app for trials, in which each update is a tick.
 fn app_for_trials() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, TopDownPhysicsPlugin::for_trials()));
@@ -150,7 +150,7 @@ fn trial_of(body: Robot) -> MappingTrial {
     MappingTrial::new(TrialSettings { seed: Seed(1), body, laser, ..Default::default() })
 }
 
-/// The ranges ahead of a trial's first scan.
+/// Returns the range ahead in the first scan of a trial.
 fn first_range(world: EnvWorld, body: Robot) -> f64 {
     let mut app = app_for_trials();
     let offset = body.laser_offset;
@@ -224,7 +224,7 @@ fn other_settings_replace_the_colliders_that_are_there() {
         step(&mut app, 2);
         in_rapier(&mut app).0
     };
-    // Six walls and the sensor of the doorway.
+    // The colliders are six walls and the sensor of the doorway.
     assert_eq!(colliders(single), 7);
     assert_eq!(colliders(single), 7);
     assert_eq!(colliders(merged), 2);
@@ -244,7 +244,7 @@ fn a_body_whose_colliders_are_children_is_as_high_for_lasers_as_for_robots() {
     let ahead = |app: &App| app.world().get::<LaserScan>(robot).unwrap().ranges[90];
     step(&mut app, 4);
     let free = ahead(&app);
-    // A shelf over the laser, and then one before it.
+    // First a shelf above the laser, and then one in front of it.
     let shelf = app
         .world_mut()
         .spawn((

@@ -17,7 +17,7 @@ fn trial(app: &App, root: Entity) -> &MappingTrial {
     app.world().get(root).expect("a trial")
 }
 
-/// An environment with a trial that runs.
+/// Spawns an environment with a running trial.
 fn running(app: &mut App, settings: TrialSettings) -> Entity {
     listen(app);
     let root = app.world_mut().spawn((environment(), MappingTrial::new(settings))).id();
@@ -50,7 +50,7 @@ fn no_trial_runs_in_an_environment_that_is_tilted() {
     step(&mut app, 20);
     assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed));
     assert_eq!((robots(&mut app), in_rapier(&mut app)), (0, (0, 0)));
-    // Nor does one begin.
+    // A new trial does not begin either.
     app.world_mut().entity_mut(root).insert(MappingTrial::new(short(60.0)));
     step(&mut app, 20);
     assert_eq!((robots(&mut app), reported(&app).len()), (0, 1));
@@ -70,7 +70,7 @@ fn a_robot_that_is_despawned_ends_its_part() {
     let found = trial(&app, root).trial().expect("a trial");
     assert_eq!(found.end_of(1).map(|end| end.reason), Some(EndReason::Removed));
     assert_eq!(found.end_of(0), None);
-    // It stays where it was, in truth and in its own estimate.
+    // The robot stays where it was, both in truth and in its own estimate.
     let estimated = found.autonomy().slam().trajectory(1);
     assert_eq!(estimated.last().copied(), estimated.get(estimated.len() - 2).copied());
     step(&mut app, 400);
@@ -102,7 +102,7 @@ fn a_clone_of_an_environment_has_no_robots_and_moves_none() {
 fn robots_that_are_despawned_before_the_start_are_spawned_again() {
     let mut app = app(20.0);
     listen(&mut app);
-    // Between their spawn and the first tick.
+    // Despawns the robots between their spawn and the first tick.
     let despawn_first = |robots: Query<Entity, With<TrialRobot>>,
                          mut is_done: Local<bool>,
                          mut commands: Commands| {
@@ -144,7 +144,7 @@ fn a_trial_in_a_world_without_an_end_is_refused() {
     step(&mut app, 60);
     assert!(reported(&app).len() == 1 && reported(&app)[0].contains("endless"));
     assert!(trial(&app, root).has_failed());
-    // So is another one; and it begins where there is an end.
+    // Another trial fails too, and begins when the world is finite.
     app.world_mut().entity_mut(root).insert(MappingTrial::new(short(60.0)));
     step(&mut app, 20);
     assert_eq!(reported(&app).len(), 2);

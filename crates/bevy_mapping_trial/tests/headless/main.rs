@@ -1,4 +1,4 @@
-//! Robots and mapping trials in headless Bevy apps, driven as a user drives them.
+//! Robots and mapping trials in headless Bevy apps that are used as users use them.
 
 #[cfg(feature = "debug")]
 mod debug;

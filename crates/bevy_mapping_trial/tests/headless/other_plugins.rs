@@ -1,4 +1,4 @@
-//! The plugins beside others.
+//! The plugins together with other plugins.
 
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{refuse_ambiguities, step, test_app_with};

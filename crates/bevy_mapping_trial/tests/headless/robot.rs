@@ -18,7 +18,7 @@ use mapping_trial::lidar::LaserProfile;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::robot::{Footprint, Robot};
 
-/// A room of walls without thickness.
+/// Returns a world with a room whose walls have no thickness.
 fn room(width: f64, height: f64) -> EnvWorld {
     let bounds = Rect::new(DVec2::ZERO, DVec2::new(width, height));
     let mut world = EnvWorld::new(Provenance::other("test", serde_json::Value::Null), bounds);
@@ -29,7 +29,7 @@ fn room(width: f64, height: f64) -> EnvWorld {
     world
 }
 
-/// An app of 64 steps a second with robots, in a world.
+/// Creates an app with a world and robots, which runs 64 steps per second.
 fn app(world: EnvWorld) -> App {
     let mut app = test_app_with((EnvgenPlugins::default(), RobotPlugin::default()));
     spawn_ready(&mut app, Environment::prebuilt(Arc::new(world))).unwrap();
@@ -47,7 +47,7 @@ fn robot(app: &mut App, x: f32, y: f32) -> Entity {
     robot
 }
 
-/// Drives for so many seconds; the distance that the wheels measured.
+/// Drives a robot for a number of seconds, and returns the distance and the turn that its wheels measured.
 fn drive(app: &mut App, robot: Entity, speed: f64, turn_rate: f64, seconds: f64) -> (f64, f64) {
     *app.world_mut().get_mut::<DriveCommand>(robot).unwrap() = DriveCommand { speed, turn_rate };
     let mut total = (0.0, 0.0);
@@ -72,7 +72,7 @@ fn a_robot_drives_as_its_wheels_say() {
     let mut app = app(room(20.0, 20.0));
     let robot = robot(&mut app, 5.0, 10.0);
     let (distance, turn) = drive(&mut app, robot, 0.5, 0.0, 10.0);
-    // A second to reach 0.5 m/s at 0.5 m/s^2.
+    // The robot takes a second to reach 0.5 m/s at 0.5 m/s^2.
     assert!((distance - 4.75).abs() < 0.03 && turn.abs() < 1e-4, "{distance} {turn}");
     assert!((position(&app, robot).x - 5.0 - distance).abs() < 1e-4);
     let (_, turned) = drive(&mut app, robot, 0.0, 9.0, 5.0);
@@ -152,7 +152,7 @@ fn no_wall_is_driven_through() {
 fn a_laser_sees_what_is_there_and_no_sensor() {
     let mut app = app(room(10.0, 10.0));
     let robot = robot(&mut app, 3.0, 5.0);
-    // A scan in each tick, of three or four steps.
+    // A scan is taken in each tick, which is three or four steps.
     let free = 10.0 - 3.0 - 0.21;
     assert!((ahead(&app, robot) - free).abs() < 0.011, "{}", ahead(&app, robot));
     let at = Transform::from_xyz(5.0, 5.0, 0.0);
@@ -191,7 +191,7 @@ fn dark_walls_are_seen_only_from_near() {
 fn dark_walls_are_seen_from_as_near_as_the_environment_is_small() {
     let mut world = room(20.0, 10.0);
     world.walls.iter_mut().for_each(|wall| wall.visible_range = Some(3.0));
-    // Seen from everywhere, in front of the dark one.
+    // A screen that is visible from everywhere, in front of the dark wall.
     let screen = Shape::Segment { a: DVec2::new(19.0, 0.0), b: DVec2::new(19.0, 3.0) };
     world.walls.push(Side::new(WallKind::Wall, screen));
     for scale in [0.25, 2.0] {
@@ -310,7 +310,7 @@ fn what_a_child_of_the_robot_touches_is_felt() {
     assert!(app.world().get::<Bumper>(robot).unwrap().touching);
 }
 
-/// Two rooms of 6 m beside each other with a gap in the wall between them.
+/// Returns a world with two rooms of 6 m beside each other, and a gap in the wall between them.
 fn rooms(gap: f64) -> EnvWorld {
     let mut world = room(12.0, 6.0);
     for (from, to) in [(0.0, 3.0 - 0.5 * gap), (3.0 + 0.5 * gap, 6.0)] {
@@ -361,7 +361,7 @@ fn weight_and_wheels_are_the_models() {
     assert_eq!(app.world().get::<Chassis>(robot), Some(&expected));
     let mass = ColliderMassProperties::Mass(30.0);
     assert_eq!(app.world().get::<ColliderMassProperties>(robot), Some(&mass));
-    // Another model changes them, but not those that somebody put on the robot.
+    // Another model changes these components, but not those that the app has inserted.
     app.world_mut().entity_mut(robot).insert(RobotModel::default());
     step(&mut app, 1);
     assert_eq!(app.world().get::<Chassis>(robot), Some(&Chassis::default()));
@@ -371,7 +371,7 @@ fn weight_and_wheels_are_the_models() {
     assert_eq!(app.world().get::<Chassis>(robot), Some(&own));
 }
 
-/// The mass of a body in rapier, in kg.
+/// Returns the mass of a body in rapier, in kg.
 fn mass(app: &mut App, robot: Entity) -> f32 {
     let mut sets = app.world_mut().query::<&RapierRigidBodySet>();
     let bodies = sets.single(app.world()).unwrap();
@@ -384,7 +384,7 @@ fn a_chassis_that_is_changed_or_put_on_later_weighs_what_it_says() {
     let light = Chassis { mass: 5.0, ..Chassis::default() };
     let robot = robot(&mut app, 5.0, 5.0);
     let at = Transform::from_xyz(2.0, 2.0, 0.0);
-    // Almost without weight.
+    // A collider almost without mass.
     let collider = (Collider::ball(0.3), ColliderMassProperties::Density(0.001));
     let own = app.world_mut().spawn((RobotModel::default(), collider, at)).id();
     step(&mut app, 2);
@@ -396,7 +396,7 @@ fn a_chassis_that_is_changed_or_put_on_later_weighs_what_it_says() {
             step(&mut app, 2);
             let found = mass(&mut app, robot);
             assert!((found - chassis.mass).abs() < 0.01, "{found} kg");
-            // Another model keeps it.
+            // Another model keeps the chassis.
             app.world_mut().entity_mut(robot).insert(RobotModel::default());
             step(&mut app, 2);
             assert_eq!(app.world().get::<Chassis>(robot), Some(&chassis));
@@ -419,7 +419,7 @@ fn robots_with_little_grip_take_longer_to_start() {
         position(&app, robot).x - 5.0
     };
     let (ice, ground) = (driven(0.05), driven(0.6));
-    // At 0.05 g a second of pushing makes a quarter of a metre.
+    // At 0.05 g, a second of pushing moves the robot by a quarter of a metre.
     assert!((ice - 0.245).abs() < 0.03 && ground > 0.6, "{ice} and {ground} m");
 }
 
@@ -434,7 +434,7 @@ fn a_robot_that_is_put_elsewhere_turns_no_wheels() {
     let driven = position(&app, robot).x - before.x - 20.0;
     assert!((0.5..1.5).contains(&driven), "{driven}");
     assert!((measured - driven).abs() < 1e-3 && turn.abs() < 1e-3, "{measured} for {driven}");
-    // So does one whose parent is moved.
+    // The same is true if the parent of the robot is moved.
     let parent = app.world_mut().spawn(Transform::default()).id();
     app.world_mut().entity_mut(robot).insert(ChildOf(parent));
     drive(&mut app, robot, 0.0, 0.0, 2.0);

@@ -25,7 +25,7 @@ fn indoor() -> EnvWorld {
     spec.generate(Seed(3)).unwrap().to_world()
 }
 
-/// A hall of 12 x 4 m; a wall with a doorway of 1 m divides it at x = 8.
+/// Returns a world with a hall of 12 x 4 m, which a wall with a doorway of 1 m divides at x = 8.
 fn hall() -> EnvWorld {
     let v = DVec2::new;
     let bounds = Rect::new(DVec2::ZERO, v(12.0, 4.0));
@@ -54,7 +54,7 @@ fn everything() -> ScenarioSpec {
     ScenarioSpec { doors: 0.6, people: 5, smoke: 0.2, reaction, failed_beams, ..Default::default() }
 }
 
-/// An app as a user writes it, in which an update is a tick.
+/// Creates an app as a user does, in which each update is a tick.
 fn app() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin, TopDownPhysicsPlugin::for_trials()));
@@ -71,7 +71,7 @@ fn spawn(app: &mut App, world: &EnvWorld, scenario: &Scenario) -> Entity {
     app.world_mut().spawn((environment, EnvironmentScenario::prebuilt(scenario.clone()))).id()
 }
 
-/// Drives with one command for some seconds; the trial is then stopped.
+/// Drives with one command for a number of seconds, and then stops the trial.
 fn drive(world: &EnvWorld, scenario: &Scenario, speed: f64, seconds: usize) -> (App, Entity) {
     let mut app = app();
     let root = spawn(&mut app, world, scenario);
@@ -95,7 +95,7 @@ fn digest<B: RobotBackend>(trial: &Trial<B>) -> String {
 fn the_scenario_is_that_of_the_flat_simulator_to_the_bit_while_a_robot_waits() {
     let world = indoor();
     let scenario = of(&world, everything());
-    // A position that is the same in single precision.
+    // A position that single precision represents exactly.
     let start = world.start.unwrap();
     let position = (start.position * 64.0).round() / 64.0;
     let start = Some(Pose { position, ..start });
@@ -173,7 +173,7 @@ fn later_trials_in_an_app_begin_with_the_scenario_and_replay_too() {
         assert_eq!(again.trajectory(1), held.trajectory(1));
         assert_eq!(digest(&again), digest(held));
     }
-    // A replay in an environment with another scenario, or none, has that of its log.
+    // A replay in an environment with another scenario, or without one, uses the scenario of its log.
     let log = trial(&app, root).log();
     let end = digest(trial(&app, root));
     app.world_mut().entity_mut(root).remove::<(MappingTrial, ManualControl)>();
@@ -191,7 +191,7 @@ fn later_trials_in_an_app_begin_with_the_scenario_and_replay_too() {
     }
 }
 
-/// Commands some doors in every tick, but for those of replays.
+/// Commands some doors in every tick, except those of replays.
 fn command_doors(mut doors: Query<&mut Door>, mut ticks: Local<u32>) {
     *ticks += 1;
     for mut door in &mut doors {
@@ -204,7 +204,7 @@ fn command_doors(mut doors: Query<&mut Door>, mut ticks: Local<u32>) {
     }
 }
 
-/// The same without the components of the doors.
+/// Does the same without the components of the doors.
 fn command_runs(mut runs: Query<&mut ScenarioRun>, mut ticks: Local<usize>) {
     *ticks += 1;
     for mut run in &mut runs {
@@ -247,7 +247,7 @@ fn commands_to_doors_are_replayed(add_commands: impl Fn(&mut App)) {
     assert_eq!(digest(&again), end);
     assert_eq!(again.log().digest(), log.digest());
     assert_eq!(again.trajectory(0), trial(&app, root).trajectory(0));
-    // In the same app, whose commands come at other times.
+    // The replay runs in the same app, whose commands come at other times.
     step(&mut app, 7);
     app.world_mut().entity_mut(root).insert(MappingTrial::replay(log.clone()));
     step(&mut app, 520);
@@ -255,7 +255,7 @@ fn commands_to_doors_are_replayed(add_commands: impl Fn(&mut App)) {
     assert!(held.is_over());
     assert_eq!(digest(trial(&app, root)), end);
     assert_eq!(trial(&app, root).log().digest(), log.digest());
-    // After the replay its doors obey the app again.
+    // After the replay the doors follow the commands of the app again.
     let openness = |app: &mut App| {
         let mut doors = app.world_mut().query::<&Door>();
         doors.iter(app.world()).map(|door| door.openness()).collect::<Vec<_>>()

@@ -1,4 +1,4 @@
-//! Mapping trials in rapier, headless.
+//! Headless mapping trials in rapier.
 
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
@@ -63,12 +63,12 @@ fn a_trial_runs_again_from_its_log_to_the_bit() {
     }
 }
 
-/// An app as a user writes it, in which an update is a tick.
+/// Creates an app as a user does, in which each update is a tick.
 pub(crate) fn app(steps: f64) -> App {
     app_with_frames(steps, steps)
 }
 
-/// An app whose frames are shorter or longer than its ticks, as those of windows are.
+/// Creates an app whose frames are shorter or longer than its ticks, as in an app with a window.
 fn app_with_frames(steps: f64, frames: f64) -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, TransformPlugin));
@@ -131,7 +131,7 @@ fn a_person_drives_and_stops_and_nothing_is_left() {
     let ended = app.world().get::<MappingTrial>(root).unwrap();
     assert_eq!(ended.trial().unwrap().end_of(0).map(|e| e.reason), Some(EndReason::Stopped));
 
-    // What a person did replays, too.
+    // A trial that a person drove can be replayed too.
     let log = ended.trial().unwrap().log();
     let track = ended.trial().unwrap().trajectory(0).clone();
     let again = replay_headless(&hallway(), log, |_| ()).unwrap();
@@ -198,7 +198,7 @@ fn frames_of_any_length_give_the_same_trial() {
         let mut manual_control = ManualControl::default();
         let trial = MappingTrial::new(settings.clone());
         app.world_mut().entity_mut(root).insert((trial, manual_control.clone()));
-        // Into walls and each other, along them and back.
+        // The robots drive into walls and into each other, along walls, and back.
         for (speed, turn_rate) in [(0.7, 0.0), (0.5, 0.9), (0.7, -0.3), (-0.4, 0.2), (0.7, 0.0)] {
             let command = Command { speed, turn_rate };
             manual_control.commands =
@@ -254,8 +254,8 @@ fn another_trial_in_the_same_app_is_as_good_as_the_first() {
     }
 }
 
-/// The backends differ: rapier's is a box, the flat simulator's a disc. Stated for 20 maps: M and N differ by
-/// at most 0.3 in the mean, and on no map by more than 1.5.
+/// The backends differ, since the robot is a box in rapier and a disc in the flat simulator. Documented for
+/// 20 maps: M and N differ by at most 0.3 in the mean, and by at most 1.5 on each map.
 #[test]
 #[expect(clippy::print_stderr, reason = "the differences are what is asked for")]
 fn scores_are_those_of_the_flat_simulator_within_tolerances() {
@@ -280,7 +280,7 @@ fn scores_are_those_of_the_flat_simulator_within_tolerances() {
     assert!(mapping.abs() <= 0.3 && navigation.abs() <= 0.3, "{mapping} {navigation}");
 }
 
-/// By how much M and N are greater in rapier, with the same world and seeds.
+/// Returns by how much M and N are greater in rapier, with the same world and seeds.
 fn difference(seed: u64) -> (f64, f64) {
     let spec = IndoorSpec { width: 4, height: 4, ..Default::default() };
     let world = spec.generate(Seed(seed)).unwrap().to_world();
@@ -311,7 +311,7 @@ fn where_another_world_failed_the_last_one_is_driven_in() {
     );
 }
 
-/// Drives ahead, asked every tick.
+/// A policy that drives straight ahead, and is asked in every tick.
 struct Ahead;
 
 impl ExplorationPolicy for Ahead {
@@ -324,7 +324,7 @@ impl ExplorationPolicy for Ahead {
     }
 }
 
-/// A laser that sees nothing.
+/// A laser that detects nothing.
 struct Blind;
 
 impl LaserSensor for Blind {
@@ -333,7 +333,7 @@ impl LaserSensor for Blind {
     }
 }
 
-/// Wheels that measure twice the distance.
+/// A wheel sensor that measures twice the distance.
 struct Double;
 
 impl WheelSensor for Double {
@@ -342,7 +342,7 @@ impl WheelSensor for Double {
     }
 }
 
-/// A room of 40 x 5 m with its lower left corner at a point.
+/// Returns a world with a room of 40 x 5 m, whose lower left corner is at a point.
 fn room_at(corner: DVec2) -> EnvWorld {
     let bounds = Rect::new(corner, corner + DVec2::new(40.0, 5.0));
     let mut world = EnvWorld::new(Provenance::other("test", serde_json::Value::Null), bounds);
@@ -357,7 +357,7 @@ fn room_at(corner: DVec2) -> EnvWorld {
 
 #[test]
 fn robots_drive_far_from_the_origin_as_near_it() {
-    // As a map in coordinates of a country has it.
+    // Such coordinates occur in national map grids.
     let far = DVec2::new(500_000.0, 4_200_000.0);
     let end = |corner: DVec2| {
         let rapier = run_headless(&room_at(corner), short(20.0), |_| ()).unwrap();
@@ -369,7 +369,7 @@ fn robots_drive_far_from_the_origin_as_near_it() {
         })
     };
     for (near, far) in end(DVec2::ZERO).into_iter().zip(end(far)) {
-        // Rounding differs, and with it a plan now and then.
+        // Rounding differs, which changes a plan now and then.
         assert!(near.distance(far) < 0.5, "{near} {far}");
     }
 }
@@ -393,7 +393,7 @@ fn parts_of_ones_own_drive_robots_in_rapier() {
     assert!(trial.autonomy().scan(0).ranges.iter().all(|range| *range == NO_ECHO));
     let log = trial.log();
     assert_eq!((log.foreign.len(), log.engine.as_str()), (4, "rapier"));
-    // The commands replay; built-in sensors take the place of those that only their author has.
+    // The commands are replayed. Built-in sensors replace the custom ones, which only their author has.
     let again = replay_headless(&world, log, |_| ()).unwrap();
     assert_eq!(again.trajectory(0), trial.trajectory(0));
     assert!(again.autonomy().scan(0).ranges.iter().any(|range| range.is_finite()));

@@ -1,4 +1,4 @@
-//! How mapping trials look, without anything that draws.
+//! The drawing of mapping trials, tested without a renderer.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use mapping_trial::map::{Cell, CellIndex};
 use mapping_trial::slam::SlamKind;
 use mapping_trial::trial::{Trial, TrialSettings};
 
-/// A trial in the flat simulator, which a user shows in Bevy.
+/// A component with a trial in the flat simulator, which a user shows in Bevy.
 #[derive(Component)]
 pub(super) struct Flat(pub(super) Option<Trial<FlatSimulator>>);
 
@@ -42,7 +42,7 @@ fn trial(world: &EnvgenWorld, robots: u32) -> Trial<FlatSimulator> {
     Trial::flat(world, TrialSettings { robots, time_limit: 60.0, ..default() }).unwrap()
 }
 
-/// An app that could draw, but for the GPU.
+/// Creates an app with everything that drawing needs except a GPU.
 fn app() -> App {
     let mut app = test_app_with((
         MeshPlugin,
@@ -81,13 +81,13 @@ fn is_seen(app: &App, entity: Entity) -> bool {
     app.world().get::<InheritedVisibility>(entity).unwrap().get()
 }
 
-/// Column and row of a sheet by its name.
+/// Returns the column and the row in the name of a sheet.
 fn place(name: &Name) -> Option<(i32, i32)> {
     let (col, row) = name.strip_prefix("map (")?.strip_suffix(')')?.split_once(", ")?;
     Some((col.parse().ok()?, row.parse().ok()?))
 }
 
-/// The cell that a pixel shows, by the colours of the palette.
+/// Returns the cell that a pixel shows, from the colours of the palette.
 fn shown(pixel: &[u8], palette: &TrialPalette) -> Cell {
     if pixel == palette.free.to_srgba().to_u8_array() {
         Cell::Free
@@ -99,7 +99,7 @@ fn shown(pixel: &[u8], palette: &TrialPalette) -> Cell {
     }
 }
 
-/// Compares every pixel with its cell, and gives how many show something.
+/// Compares every pixel with its cell, and returns how many pixels show something.
 fn compare(app: &mut App, root: Entity) -> usize {
     let mut sheets = app.world_mut().query::<(&Name, &Sprite, &Transform)>();
     let trial = app.world().get::<Flat>(root).unwrap().watched().unwrap();
@@ -118,7 +118,7 @@ fn compare(app: &mut App, root: Entity) -> usize {
         assert!(transform.translation.truncate().distance(middle) < 1e-3);
         let pixels = image.data.as_ref().unwrap().chunks_exact(4);
         for (i, pixel) in (0..).zip(pixels) {
-            // The first row of pixels is the upper one.
+            // The first row of pixels is the top row.
             let cell =
                 CellIndex { col: col * side + i % side, row: row * side + side - 1 - i / side };
             assert_eq!(shown(pixel, palette), map.cell(cell), "{cell:?}");
@@ -146,13 +146,13 @@ fn the_map_that_is_shown_is_the_map() {
     }
     assert!(known > 10_000, "{known}");
 
-    // Other colours are another picture of the same map.
+    // Other colours give another picture of the same map.
     app.world_mut().resource_mut::<TrialPalette>().free = Color::srgb_u8(1, 2, 3);
     step(&mut app, 1);
     assert_eq!(compare(&mut app, root), known);
 }
 
-/// How many assets of a kind were changed since the last time.
+/// Returns how many assets of a type were changed since the last call.
 fn changes<A: Asset>(app: &mut App) -> usize {
     let mut events = app.world_mut().resource_mut::<Messages<AssetEvent<A>>>();
     let changed: std::collections::BTreeSet<_> = events
@@ -178,13 +178,13 @@ fn only_what_changes_is_written() {
     changes::<Mesh>(&mut app);
     let entities = app.world().entities().count_spawned();
 
-    // A trial that pauses costs nothing.
+    // A paused trial costs nothing.
     step(&mut app, 10);
     assert_eq!((changes::<Image>(&mut app), changes::<Mesh>(&mut app)), (0, 0));
     assert_eq!(app.world().entities().count_spawned(), entities);
 
-    // One that continues is written where the robot looks: in the scan, in the ends of two paths, and
-    // in the sheets around it.
+    // When the trial continues, only what the robot sees is written: the scan, the ends of two paths, and the
+    // sheets around the robot.
     let revision = |app: &App| {
         let trial = app.world().get::<Flat>(root).unwrap().watched().unwrap();
         trial.autonomy().slam().map().revision()
@@ -204,7 +204,7 @@ fn only_what_changes_is_written() {
 fn the_truth_is_hidden_unless_asked_for() {
     let world = hallway();
     let mut app = app();
-    // From the first frame on.
+    // The truth is hidden from the first frame.
     let environment = Environment::prebuilt(world.clone()).with_pace(GenerationMode::Blocking);
     let people = ScenarioSpec { people: 1, ..default() };
     let moving = EnvironmentScenario::new(people, 1);
@@ -234,14 +234,14 @@ fn the_truth_is_hidden_unless_asked_for() {
     step(&mut app, 1);
     assert_eq!(tell(&mut app), (false, false));
 
-    // A world that is made again is hidden again.
+    // A world that is rebuilt is hidden again.
     app.world_mut().trigger(RebuildEnvironment { entity: root });
     for _ in 0..3 {
         step(&mut app, 1);
         assert_eq!(tell(&mut app), (false, false));
     }
 
-    // Without its trial the world is what it was before.
+    // When the trial is removed, the world is shown as before.
     app.world_mut().entity_mut(root).remove::<Flat>();
     step(&mut app, 1);
     assert!(!app.world().entity(root).contains::<TrialView>());
@@ -258,7 +258,7 @@ fn cameras_in_three_dimensions_may_see_what_is_hidden_from_above() {
     let environment = Environment::prebuilt(world.clone()).with_pace(GenerationMode::Blocking);
     let parts = (environment, people, ShowIn3d, Flat(Some(trial(&world, 1))));
     let root = app.world_mut().spawn(parts).id();
-    // What is drawn of walls and people from above, and whether cameras from above see it.
+    // Returns the two-dimensional meshes of walls and people, and whether two-dimensional cameras see them.
     let flat = |app: &mut App| {
         let mut drawn = named(app, "Wall");
         drawn.extend(named(app, "Person"));
@@ -319,7 +319,7 @@ fn robots_are_where_they_believe_to_be() {
     assert!(sights.robots[0].distance(estimate.position.as_vec2()) < 1e-3);
 }
 
-/// The corners of the meshes of an entity's name, in the environment's frame.
+/// Returns the corners of the meshes of entities with a name, in the frame of the environment.
 fn corners(app: &mut App, name: &str) -> Vec<Vec2> {
     let mut all = Vec::new();
     for entity in named(app, name) {
@@ -348,13 +348,14 @@ fn a_scan_ends_at_the_walls() {
     let beams = scan.ranges.len();
     assert_eq!(beams, 181);
     let corners = corners(&mut app, "scan 0");
-    // The laser, the ends of the beams, and four corners of a point for each.
+    // The vertices are the position of the laser, the ends of the beams, and four corners of a point for each
+    // beam.
     assert_eq!(corners.len(), 1 + 5 * beams);
     for (end, &range) in corners[1..].iter().zip(&scan.ranges) {
         if range.is_finite() {
             assert!((end.distance(corners[0]) - range as f32).abs() < 1e-3);
             let nearest = world.walls.iter().map(|wall| wall.shape.distance(end.as_dvec2()));
-            // The robot has hardly moved, so that it knows where it is.
+            // The robot has hardly moved, so its estimated pose is accurate.
             assert!(nearest.fold(f64::INFINITY, f64::min) < 0.1, "{end}");
         }
     }
@@ -396,7 +397,7 @@ fn everything_goes_with_the_trial() {
     step(&mut app, 2);
     assert_eq!(named(&mut app, "robot 1").len(), 1);
 
-    // Another trial begins without it.
+    // Another trial begins without the second robot.
     app.world_mut().get_mut::<Flat>(root).unwrap().0 = Some(trial(&world, 1));
     step(&mut app, 2);
     assert_eq!((named(&mut app, "robot 0").len(), named(&mut app, "robot 1").len()), (1, 0));
@@ -404,7 +405,7 @@ fn everything_goes_with_the_trial() {
     step(&mut app, 1);
     compare(&mut app, root);
 
-    // As long as there is none, none is shown.
+    // While there is no trial, none is drawn.
     app.world_mut().get_mut::<Flat>(root).unwrap().0 = None;
     step(&mut app, 2);
     assert!(named(&mut app, "robot 0").is_empty() && named(&mut app, "map").is_empty());
@@ -430,7 +431,7 @@ fn a_clone_of_an_environment_has_no_drawing() {
     });
     step(&mut app, 2);
     assert_eq!(named(&mut app, "trial view").len(), 1);
-    // Nor is its world hidden for one.
+    // The world of the clone is not hidden either.
     assert!(!app.world().entity(clone).contains::<TrialView>());
     compare(&mut app, root);
     app.world_mut().entity_mut(clone).despawn();
@@ -466,7 +467,7 @@ fn cameras_look_at_robots_and_maps() {
     let ScalingMode::AutoMin { min_width, min_height } = scaling else { panic!("{scaling:?}") };
     assert!(min_width >= map.width() + 2.0 && min_height >= map.height() + 2.0);
 
-    // In the same frame where the environment moves, and below something that has a place of its own.
+    // Cameras follow in the same frame in which the environment moves, even as children of a moved entity.
     let cart = Transform::from_xyz(4.0, -3.0, 0.0).with_rotation(Quat::from_rotation_z(1.0));
     let cart = app.world_mut().spawn(cart).id();
     let carried = FollowRobot { trial: root, robot: 0, height: 12.0 };

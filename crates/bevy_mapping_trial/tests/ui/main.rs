@@ -1,4 +1,4 @@
-//! The panels without a window: what they show, what they say to clicks, and what comes of it.
+//! Tests the panels without a window: what they show, how they react to clicks, and the results.
 
 mod feedback;
 mod manual_control;

@@ -11,7 +11,7 @@ use mapping_trial::trial::TrialSettings;
 
 use crate::screen::{Screen, show_in};
 
-/// The space beside the panel of the example `teleop`, at its two sizes in points.
+/// The space beside the panel of the example `teleop`, in points, for both of its sizes.
 const SPACES: [egui::Vec2; 2] = [egui::vec2(920.0, 720.0), egui::vec2(1062.0, 800.0)];
 
 #[test]
@@ -106,7 +106,7 @@ fn errors_are_shown_over_the_last_picture() {
     let world = HallwaySpec::default().generate(Seed(7)).expect("allowed").to_world();
     let mut preview = WorldPreview::given(Arc::new(world));
     let screen = Screen::new(SPACES[0]);
-    // A hallway has no doorways, and so no doors.
+    // A hallway has no doorways, so it cannot have doors.
     let scenario = ScenarioSpec { doors: 0.5, ..Default::default() };
     let mut shown = screen.show(|ui| preview.show(ui, Some((&scenario, Seed(7)))));
     for _ in 0..2000 {

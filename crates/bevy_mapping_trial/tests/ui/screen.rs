@@ -1,4 +1,4 @@
-//! Panels without a window: what they show, and clicks on them.
+//! Draws panels without a window, reads what they show, and clicks on them.
 
 use bevy_mapping_trial::ui::egui::epaint::{ClippedShape, Shape};
 use bevy_mapping_trial::ui::egui::{
@@ -6,12 +6,12 @@ use bevy_mapping_trial::ui::egui::{
     RawInput, Rect, Ui, Vec2,
 };
 
-/// The texts of a frame.
+/// The texts that are shown in a frame.
 pub(crate) struct Shown {
     texts: Vec<Text>,
 }
 
-/// A text with its place, the area that it is cut to, and its colour.
+/// A text with its position, the area to which it is clipped, and its colour.
 struct Text {
     text: String,
     at: Rect,
@@ -28,12 +28,12 @@ impl Shown {
         Shown { texts }
     }
 
-    /// Whether a text is among them, across the lines that it is wrapped to.
+    /// Returns whether a text is shown, even if it is wrapped to several lines.
     pub(crate) fn has(&self, text: &str) -> bool {
         self.texts.iter().any(|shown| shown.text.contains(text))
     }
 
-    /// The texts that are cut at their left or right.
+    /// Returns the texts that are clipped at the left or right.
     pub(crate) fn clipped(&self) -> Vec<String> {
         let cut = |Text { at, clip, .. }: &&Text| {
             at.right() > clip.right() + 1.0 || at.left() < clip.left() - 1.0
@@ -41,13 +41,13 @@ impl Shown {
         self.texts.iter().filter(cut).map(|shown| shown.text.clone()).collect()
     }
 
-    /// The texts that are cut at any side.
+    /// Returns the texts that are clipped at any side.
     pub(crate) fn cut(&self) -> Vec<String> {
         let cut = |shown: &&Text| !shown.clip.expand(1.0).contains_rect(shown.at);
         self.texts.iter().filter(cut).map(|shown| shown.text.clone()).collect()
     }
 
-    /// The pairs of texts of which one covers the other in part.
+    /// Returns the pairs of texts that partly cover each other.
     pub(crate) fn overlapping(&self) -> Vec<(String, String)> {
         let mut pairs = Vec::new();
         for (i, shown) in self.texts.iter().enumerate() {
@@ -60,7 +60,7 @@ impl Shown {
         pairs
     }
 
-    /// The colour of a text.
+    /// Returns the colour of a text.
     pub(crate) fn colour_of(&self, text: &str) -> Color32 {
         let found = self.texts.iter().find(|shown| shown.text == text);
         found.unwrap_or_else(|| panic!("`{text}` is shown")).color
@@ -80,7 +80,7 @@ fn collect(shape: &Shape, clip: Rect, texts: &mut Vec<Text>) {
     match shape {
         Shape::Text(text) => {
             let at = text.galley.rect.translate(text.pos.to_vec2());
-            // A section may have a colour of its own, which replaces that of the whole.
+            // A section may have a colour of its own, which replaces that of the whole text.
             let of_section = text.galley.job.sections.first().map(|section| section.format.color);
             let own = of_section.filter(|color| *color != Color32::PLACEHOLDER);
             let color = text.override_text_color.or(own).unwrap_or(text.fallback_color);
@@ -91,7 +91,7 @@ fn collect(shape: &Shape, clip: Rect, texts: &mut Vec<Text>) {
     }
 }
 
-/// A panel of a size, which remembers what was clicked.
+/// A panel of a given size, which remembers the clicks.
 pub(crate) struct Screen {
     context: Context,
     size: Vec2,
@@ -100,7 +100,7 @@ pub(crate) struct Screen {
 impl Screen {
     pub(crate) fn new(size: Vec2) -> Self {
         let context = Context::default();
-        // What opens is open in the next frame.
+        // Without animations, a group that is opened is open in the next frame.
         context.all_styles_mut(|style| style.animation_time = 0.0);
         Screen { context, size }
     }
@@ -116,13 +116,13 @@ impl Screen {
         shown
     }
 
-    /// What a panel shows, once it has measured itself.
+    /// Returns what a panel shows, after a first frame in which it measures itself.
     pub(crate) fn show(&self, mut show: impl FnMut(&mut Ui)) -> Shown {
         self.frame(Vec::new(), &mut show);
         self.frame(Vec::new(), show)
     }
 
-    /// What a panel returns for a click on a text.
+    /// Returns the action of a panel for a click on a text.
     pub(crate) fn click<T>(
         &self,
         text: &str,
@@ -146,7 +146,7 @@ impl Screen {
         said
     }
 
-    /// Clicks on a text that can be edited, and types another one in its place.
+    /// Clicks on an editable text, and replaces it by another one.
     pub(crate) fn retype<T>(
         &self,
         text: &str,
@@ -168,13 +168,13 @@ impl Screen {
         said
     }
 
-    /// Clicks on the last of the texts that are equal.
+    /// Clicks on the last of several equal texts.
     pub(crate) fn click_last<T>(&self, text: &str, mut show: impl FnMut(&mut Ui) -> Option<T>) {
         let at = self.show(|ui| drop(show(ui))).places_of(text).last().copied();
         self.click_at(at.unwrap_or_else(|| panic!("`{text}` is shown")), show);
     }
 
-    /// What a panel shows while the pointer rests on a text.
+    /// Returns what a panel shows while the pointer is over a text.
     pub(crate) fn hover(&self, text: &str, mut show: impl FnMut(&mut Ui)) -> Shown {
         self.context.all_styles_mut(|style| style.interaction.tooltip_delay = 0.0);
         let at = self.show(&mut show).place_of(text);
@@ -183,12 +183,12 @@ impl Screen {
     }
 }
 
-/// What a panel of a size shows, once it has measured itself.
+/// Returns what a panel of a given size shows, after a first frame in which it measures itself.
 pub(crate) fn show_in(size: Vec2, show: impl FnMut(&mut Ui)) -> Shown {
     Screen::new(size).show(show)
 }
 
-/// What a panel returns for a click on a text.
+/// Returns the action of a panel for a click on a text.
 pub(crate) fn click<T>(
     size: Vec2,
     text: &str,

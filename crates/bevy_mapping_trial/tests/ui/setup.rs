@@ -4,7 +4,8 @@ use envgen::scenario::{DoorControl, ScenarioSpec};
 use envgen::{Seed, WorldKind};
 use mapping_trial::trial::TrialSettings;
 
-/// The panel of the example `teleop` at 1280 x 720: its width, and the height above the button that begins a trial.
+/// The size of the panel of the example `teleop` at 1280 x 720: its width, and the height above the button
+/// that starts a trial.
 const PANEL: egui::Vec2 = egui::vec2(360.0, 640.0);
 
 fn setup() -> SetupForm {
@@ -54,7 +55,7 @@ fn all_other_settings_are_in_groups_that_open() {
             assert!(shown.has(setting.name), "{kind} {}", setting.name);
         }
         assert!(shown.has("wheel_calibration") && shown.has("turns"), "{kind}");
-        // Long lists scroll in their field.
+        // Long lists scroll inside their field.
         let mut clipped = shown.clipped();
         clipped.retain(|text| !text.contains(','));
         assert_eq!(clipped, Vec::<String>::new(), "{kind}");

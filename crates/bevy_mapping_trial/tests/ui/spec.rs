@@ -25,7 +25,7 @@ fn errors_are_below_the_setting_they_name() {
     form.set("difficulty", "9.5");
     assert_eq!(form.error_of("difficulty"), None);
     assert!(form.request().is_ok());
-    // Settings that forbid each other.
+    // Settings that exclude each other.
     form.set("doorway", "2.9");
     assert!(form.error_of("doorway").is_some_and(|error| error.contains("2.9")));
 }
@@ -37,7 +37,7 @@ fn a_failure_is_shown_until_the_next_change() {
     screen.retype("indoor.envgen.ron", "no/such.ron", |ui| form.show_file(ui));
     screen.click("Save", |ui| form.show_file(ui));
     assert!(screen.show(|ui| drop(form.show(ui))).has("no/such.ron"));
-    // An error of a setting, which allows no check of the others.
+    // An error of one setting, which prevents the check of the others.
     form.set("doorway", "2.9");
     assert!(form.error_of("doorway").is_some());
     assert!(!screen.show(|ui| drop(form.show(ui))).has("no/such.ron"));
@@ -112,7 +112,7 @@ fn saved_specs_are_read_back() {
     assert!(error.contains("no/such.ron"), "{error}");
 }
 
-/// The form of a map of 8 x 8 cells whose difficulty is the one that trials measure.
+/// Creates the form of a map of 8 x 8 cells whose difficulty is the one that trials measure.
 fn calibrated() -> SpecForm {
     let mut form = SpecForm::new(&SpecForm::initial(WorldKind::Indoor), Seed(3));
     form.set("width", "8");
@@ -141,7 +141,7 @@ fn difficulties_out_of_reach_are_refused_below_the_slider() {
          cells with these settings"
     );
     assert!(error.starts_with(&expected), "{error}");
-    // A larger map of the same difficulty, and what the rules of the thesis call it.
+    // A larger map of the same difficulty, and then the same with the rules of the thesis.
     form.set("width", "16");
     form.set("height", "16");
     assert_ne!(form.reached("difficulty"), Some([least, most]));
@@ -160,7 +160,7 @@ fn two_dials_replace_the_difficulty() {
     let [least, most] = form.reached("mapping").expect("a dial");
     assert!((least..most).contains(&4.0), "{least} to {most}");
     assert_eq!(form.reached("navigation"), None);
-    // No longer asked for.
+    // The difficulty is no longer requested.
     form.set("difficulty", "0");
     assert!(form.request().is_ok());
     form.set("navigation", "9.9");
