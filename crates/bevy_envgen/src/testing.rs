@@ -82,8 +82,8 @@ pub fn step(app: &mut App, frames: usize) {
     }
 }
 
-/// Runs frames until an environment is ready or has failed. It waits for the tasks of the environment. Only
-/// while a file of its spec is loaded, each frame waits for a millisecond, since other threads do that.
+/// Runs frames until an environment is ready or has failed. It waits for the tasks of the environment. While
+/// other threads load a file of its spec, each frame waits for a millisecond.
 ///
 /// # Errors
 /// Returns the error of the environment if it has failed.

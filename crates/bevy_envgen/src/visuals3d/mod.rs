@@ -47,8 +47,8 @@ pub use tile::TileMesh;
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
 use crate::visuals::require_visibility;
 
-/// Draws worlds in three dimensions, for [`Camera3d`], with or without the plugin for two dimensions. Each
-/// tile has at most one mesh for each [`Finish`].
+/// Draws worlds in three dimensions, for [`Camera3d`], with or without the plugin for two dimensions. Apart
+/// from its trees, each tile has at most one mesh for each [`Finish`].
 ///
 /// Adds the resources [`Visuals3dSettings`] and [`Palette3d`], unless the app already has them. It sets the
 /// brightness of Bevy's `GlobalAmbientLight` to almost zero, since rooms have lamps and the open has a sky.

@@ -318,7 +318,7 @@ fn an_environment_that_is_moved_turned_and_resized_takes_them_along() {
         let expected = environment.point_in_app(&frame, person.position);
         assert!(there.distance(expected) < 1e-3, "{there} {expected}");
     }
-    // People keep off an agent that is in front of them there.
+    // People avoid an agent that is in front of them in this environment.
     let person = run.people()[0];
     let before = *app.world().get::<GlobalTransform>(person).unwrap();
     let body = Transform::from_translation(before.translation());
@@ -348,7 +348,7 @@ fn people_react_to_agents_and_are_hit_by_bodies() {
     let person = app.world().get::<ScenarioRun>(root).unwrap().people()[0];
     let at = app.world().get::<GlobalTransform>(person).unwrap().translation();
     let ball = (RigidBody::Dynamic, Collider::ball(0.1), ScenarioAgent::new(0.1));
-    // Within the free space that a person needs, and towards the person.
+    // The ball starts within the free space that a person needs, and moves towards the person.
     let aside = Transform::from_translation(at + Vec3::X * 0.4);
     let ball = app.world_mut().spawn((ball, aside, Velocity::linear(Vec2::NEG_X * 0.5))).id();
     step(&mut app, 40);

@@ -146,7 +146,8 @@ impl<'a> CameraTrial<'a> {
     }
 
     /// Runs the trial, and writes what the first robot sees as an animated GIF with `frames_per_second` from
-    /// 1 to 50. If this is equal to the rate of the camera, the film runs in simulated real time.
+    /// 1 to 50. If this is equal to the rate of the camera, the film is as fast as the trial in simulated
+    /// time.
     ///
     /// # Errors
     /// Returns the errors of [`CameraTrial::watch`], and an error if the frame rate is out of range, or if

@@ -97,7 +97,7 @@ fn a_recorded_trial_is_the_same_trial() {
             assert_eq!(pixels.len(), 60 * 44 * bytes);
         }
     }
-    // The colours are a picture.
+    // The colour image shows a scene, and is not uniform.
     let colors = png(&first[Path::new("robot_1/rgb/000013.png")]).1;
     let different: std::collections::BTreeSet<&[u8]> = colors.chunks_exact(3).collect();
     assert!(different.len() > 50, "{} colours", different.len());

@@ -80,10 +80,11 @@ fn what_is_lower_than_the_laser_is_not_seen_but_stops_the_robot() {
     for colliders in all_settings() {
         for (bottom, top, seen, stopped) in [
             (0.0, 1.0, 5.0, 5.0),
-            // Below the laser at 0.45 m, which is seen where the laser's plane just touches it.
+            // A block below the laser at 0.45 m, and one that the plane of the laser just touches, which is
+            // detected.
             (0.0, 0.3, 10.0, 5.0),
             (0.0, 0.45, 5.0, 5.0),
-            // Over the laser, lower than the top at 0.5 m.
+            // Above the laser, but below the top of the robot at 0.5 m.
             (0.47, 1.0, 10.0, 5.0),
             // Above the robot.
             (0.5, 1.0, 10.0, 10.0),
@@ -126,7 +127,7 @@ fn lintels_stop_what_is_higher_than_the_opening() {
         assert!(range > 8.0 && driven < 4.0, "{range} {driven}");
         let (range, _) = ahead(&world, &robot(2.2, 2.15), lintels);
         assert!(range < 4.1, "{range}");
-        // Unless asked, there are none.
+        // By default there are no lintels.
         let (_, driven) = ahead(&world, &robot(2.2, 0.45), colliders);
         assert!(driven > 8.0, "{driven}");
     }
@@ -163,7 +164,7 @@ fn first_range(world: EnvWorld, body: Robot) -> f64 {
 
 #[test]
 fn the_colliders_of_a_trial_are_those_of_its_robot() {
-    // Merged tiles hold everything from half a metre on as one, unless the laser is higher.
+    // Merged tiles treat everything from half a metre in height as one collider, unless the laser is higher.
     let desk = with_block(0.0, 0.75);
     for (world, body, expected) in [
         (desk.clone(), robot(1.0, 0.7), 4.0),
@@ -199,7 +200,7 @@ fn a_trial_keeps_the_colliders_that_it_needs_and_then_gives_them_back() {
         app.world_mut().entity_mut(root).remove::<MappingTrial>();
         step(&mut app, 3);
         assert_eq!((colliders(&app), in_rapier(&mut app)), (own, before));
-        // Those that an app inserts meanwhile.
+        // The app inserts other colliders during the trial.
         app.world_mut().entity_mut(root).insert(trial_of(robot(1.0, 0.8)));
         step(&mut app, 3);
         let others = ColliderSettings { friction: 0.9, ..ColliderSettings::for_trials() };

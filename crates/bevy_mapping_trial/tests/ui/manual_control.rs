@@ -32,7 +32,7 @@ fn what_is_moved_most_drives() {
     pad.analog_mut().set(GamepadAxis::LeftStickY, -0.5);
     let command = command_of(&keys(&[KeyCode::KeyW]), [&pad], &robot);
     assert_eq!(command, Command { speed: -0.35, turn_rate: -1.4 });
-    // Both keys are more than that, and a stick that is moved little is less than one.
+    // Two keys together exceed the stick, and a stick that is moved a little is less than one key.
     let command = command_of(&keys(&[KeyCode::KeyW, KeyCode::KeyA]), [&pad], &robot);
     assert_eq!(command, Command { speed: 0.7, turn_rate: 1.4 });
     let mut touched = Gamepad::default();
