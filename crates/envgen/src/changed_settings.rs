@@ -1,4 +1,4 @@
-//! The settings of a world in words: what differs from the defaults.
+//! Summaries of a world's settings: those that differ from the defaults, as text.
 
 use serde_json::Value;
 
@@ -9,9 +9,9 @@ use crate::spec::WorldKind;
 const MOST_ITEMS: usize = 4;
 
 impl Provenance {
-    /// The settings that differ from the defaults of the kind, in the order of its list, such as
-    /// `difficulty 7, profile thesis`; at the end `edited` for an edited world. Empty for kinds that are
-    /// not generated.
+    /// Returns the settings that differ from the defaults of the kind, in the order of the kind's list, such as
+    /// `difficulty 7, profile thesis`. For an edited world the text ends with `edited`. The text is empty for kinds
+    /// that are not generated.
     pub fn changed_settings(&self) -> String {
         let Some(kind) = WorldKind::named(&self.kind) else {
             return String::new();
@@ -28,12 +28,12 @@ impl Provenance {
     }
 }
 
-/// A number to four digits.
+/// Rounds a number to four significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 
-/// A value as text; `None` for one with several parts.
+/// Returns a value as text; `None` for a value that has several parts.
 fn plain(value: &Value) -> Option<String> {
     match value {
         Value::Bool(true) => Some("on".to_owned()),

@@ -1,4 +1,4 @@
-//! Clearances and contacts: which solid parts of a [`World`] are near a point.
+//! Clearance and contact queries: which solid parts of a [`World`] are near a point.
 
 use glam::DVec2;
 
@@ -7,36 +7,36 @@ use crate::geometry::{Rect, Shape, edges, split_segment};
 use crate::grid::{Convex, GridFrame, GridIndex, index_area};
 use crate::world::{Extent, PartId, Solid, World};
 
-/// About this many cells of the index per shape, where parts are spread evenly.
+/// Target number of cells of the index per shape, where parts are spread evenly.
 const CELLS_A_SHAPE: f64 = 1.0;
 
-/// A shape is listed in at most this many cells, on average over all shapes.
+/// The most cells in which a shape is listed, on average over all shapes.
 const MAX_LISTINGS: usize = 48;
 
-/// More than rounding changes the distance to a shape, in metres.
+/// An upper bound, in metres, of the rounding error of a distance to a shape.
 const ROUNDING: f64 = 1e-6;
 
-/// Lines are looked up in pieces of at most this many metres.
+/// Lines are split into pieces of at most this length in metres, and each piece is looked up.
 const MAX_PIECE: f64 = 1.0;
 
 /// The greatest reach of an index, in metres.
 const MAX_REACH: f64 = 1e9;
 
-/// The nearest point of a solid part.
+/// A solid part near a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// The part.
     pub part: PartId,
-    /// Its nearest point; the query point itself when that lies inside the part.
+    /// The part's point that is nearest to the query point; the query point itself if it lies inside the part.
     pub point: DVec2,
-    /// Distance to that point in metres.
+    /// Distance from the query point to `point`, in metres.
     pub distance: f64,
 }
 
 /// A spatial index of a world's solid parts for nearest-part queries.
 ///
-/// A uniform grid whose cells list the shapes within `reach` of them, so that a query reads one
-/// cell. Distances are exact. The index is a copy: build a new one when the world changes.
+/// The index is a uniform grid. Each cell lists the shapes within `reach` of it, so that a query reads only one
+/// cell. Distances are exact. The index holds a copy of the parts: build a new one when the world changes.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, clearance_index::ClearanceIndex, hallway::HallwaySpec};
@@ -56,14 +56,14 @@ pub struct ClearanceIndex {
     hulls: Vec<Hull>,
 }
 
-/// The room around a point.
+/// The clearance at a point, and what the query cost.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Room {
     /// As [`ClearanceIndex::clearance`].
     pub(crate) clearance: f64,
-    /// The number of the nearest shape, the same in all indices of a world; none beyond the reach.
+    /// The number of the nearest shape, the same in all indices of a world; `None` beyond the reach.
     pub(crate) nearest: Option<u32>,
-    /// The shapes that the query read, and their corners.
+    /// Number of shapes that the query read; a polygon counts once per corner.
     pub(crate) cost: usize,
 }
 
@@ -72,9 +72,9 @@ pub(crate) struct Room {
 struct Hull {
     center: DVec2,
     half_size: DVec2,
-    /// Whether the shape is that box.
+    /// Whether the shape is identical to its bounding box.
     is_shape: bool,
-    /// What a query pays for the shape: 1, and for polygons their corners.
+    /// What a query pays for the shape: the number of corners of a polygon, 1 for other shapes.
     cost: u32,
 }
 
@@ -109,12 +109,12 @@ impl Hull {
     }
 }
 
-/// A line, and how far from it a hull must be at least to be off it.
+/// A line, and the distance from it beyond which a hull is clear of it.
 struct Surrounded {
     middle: DVec2,
-    /// Half the sides of the box around what is nearer to the line.
+    /// Half the sides of the bounding box of all points within that distance of the line.
     half_size: DVec2,
-    /// Across the line, as long as the line.
+    /// A vector across the line, as long as the line.
     normal: DVec2,
     /// The distance times the length of the line.
     breadth: f64,
@@ -132,7 +132,8 @@ impl Surrounded {
         }
     }
 
-    /// Whether it is easy to see that a hull is off the line: along one of the axes, or across the line.
+    /// Whether a cheap test shows that a hull is clear of the line: along one of the axes, or across the line. A
+    /// hull that fails the test can be clear, too.
     #[inline]
     fn is_off(&self, hull: &Hull) -> bool {
         let to = hull.center - self.middle;
@@ -151,8 +152,9 @@ impl ClearanceIndex {
         Self::with_density(world, reach, CELLS_A_SHAPE, MAX_LISTINGS)
     }
 
-    /// Indexes the solid parts that are partly within an extent, such as that of a robot's body: what is
-    /// wholly above or below does not count. As [`ClearanceIndex::new`] where all are.
+    /// Indexes the solid parts that lie at least partly within an extent, such as that of a robot's body. Parts
+    /// that lie wholly above or below it are left out. If all parts are within the extent, the result equals that
+    /// of [`ClearanceIndex::new`].
     ///
     /// ```
     /// use envgen::world::Extent;
@@ -174,8 +176,8 @@ impl ClearanceIndex {
         Self::of(world.solids_within(extent), reach, CELLS_A_SHAPE, MAX_LISTINGS)
     }
 
-    /// As [`ClearanceIndex::new`] with about `density` cells per shape, in which a shape is listed at most
-    /// `listings` times on average: finer cells take longer to fill, and make queries faster.
+    /// Like [`ClearanceIndex::new`], but with about `density` cells per shape; a shape is listed in at most
+    /// `listings` cells on average. Finer cells take longer to fill and make queries faster.
     pub(crate) fn with_density(
         world: &World,
         reach: f64,
@@ -216,14 +218,13 @@ impl ClearanceIndex {
         Ok(ClearanceIndex { reach, index, shapes, hulls })
     }
 
-    /// The reach of the index, in metres.
+    /// Returns the reach of the index, in metres.
     pub fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// Calls `visit` for every part within `radius` metres of a point, or within
-    /// [`ClearanceIndex::reach`] where that is less. A part with a long outline may be visited several
-    /// times.
+    /// Calls `visit` for every part within `radius` metres of a point. A radius greater than
+    /// [`ClearanceIndex::reach`] counts as the reach. A part with a long outline may be visited several times.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, clearance_index::ClearanceIndex, hallway::HallwaySpec};
@@ -251,8 +252,8 @@ impl ClearanceIndex {
         }
     }
 
-    /// The nearest part within [`ClearanceIndex::reach`]; of several equally near ones always the
-    /// same.
+    /// Returns the nearest part within [`ClearanceIndex::reach`]; `None` if no part is that near. Among parts at
+    /// the same distance, the choice is always the same.
     ///
     /// ```
     /// use envgen::world::PartKind;
@@ -272,7 +273,7 @@ impl ClearanceIndex {
         Some(Contact { part: self.shapes[nearest as usize].0, point, distance: p.distance(point) })
     }
 
-    /// The nearest point of a shape by its number.
+    /// Returns the nearest point of the shape with a number.
     #[inline]
     fn nearest_point(&self, shape: u32, p: DVec2) -> DVec2 {
         let hull = &self.hulls[shape as usize];
@@ -282,14 +283,14 @@ impl ClearanceIndex {
         }
     }
 
-    /// Distance in metres to the nearest solid part, infinite when none is within
+    /// Returns the distance in metres from a point to the nearest solid part; infinite if no part is within
     /// [`ClearanceIndex::reach`].
     pub fn clearance(&self, p: DVec2) -> f64 {
         self.room(p).clearance
     }
 
     /// Whether every solid part is at least `distance` metres, which must be less than the reach, from the line
-    /// from `a` to `b`. Exact, in the time of a query per metre.
+    /// from `a` to `b`. The answer is exact and takes the time of one query per metre.
     pub(crate) fn is_clear_along(&self, a: DVec2, b: DVec2, distance: f64) -> bool {
         // A cell lists what is within reach of a point in it, and so of the line as far as that from the point.
         split_segment(a, b, (self.reach - distance).min(MAX_PIECE)).all(|(from, to)| {
@@ -301,7 +302,7 @@ impl ClearanceIndex {
         })
     }
 
-    /// The clearance, the shape that it ends at, and what the query costs.
+    /// Returns the clearance, the nearest shape, and what the query cost.
     pub(crate) fn room(&self, p: DVec2) -> Room {
         let (mut least, mut nearest, mut cost) = (f64::INFINITY, 0, 0);
         for &i in self.index.at(p) {
@@ -327,15 +328,15 @@ impl ClearanceIndex {
         }
     }
 
-    /// Distance in metres from a point to a shape by its number, of which [`ClearanceIndex::room`] takes the
-    /// least, and what the query costs.
+    /// Returns the distance in metres from a point to the shape with a number, and what the query cost.
+    /// [`ClearanceIndex::room`] returns the least of these distances.
     pub(crate) fn distance(&self, p: DVec2, shape: u32) -> (f64, usize) {
         let hull = &self.hulls[shape as usize];
         (p.distance_squared(self.nearest_point(shape, p)).sqrt(), hull.cost as usize)
     }
 }
 
-/// The cells that come within `reach` of a shape, and perhaps a few more.
+/// Visits the cells that lie within `reach` of a shape, and perhaps a few more.
 fn touched_runs(
     shape: &Shape,
     reach: f64,

@@ -1,4 +1,4 @@
-//! The dials of difficulty, and predictions of them.
+//! The dials of difficulty, and predictions of their values.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,7 +15,7 @@ pub struct Dials<T> {
 }
 
 impl<T> Dials<T> {
-    /// One value for each dial, from the dial before.
+    /// Applies a function to the value of each dial.
     pub fn map<U>(self, mut to: impl FnMut(T) -> U) -> Dials<U> {
         Dials {
             difficulty: to(self.difficulty),
@@ -24,7 +24,7 @@ impl<T> Dials<T> {
         }
     }
 
-    /// The dials in pairs with those of another.
+    /// Returns the dials, each paired with the same dial of `other`.
     pub fn zip<U>(self, other: Dials<U>) -> Dials<(T, U)> {
         Dials {
             difficulty: (self.difficulty, other.difficulty),
@@ -33,12 +33,12 @@ impl<T> Dials<T> {
         }
     }
 
-    /// The dials by reference.
+    /// Returns the dials as references.
     pub fn as_ref(&self) -> Dials<&T> {
         Dials { difficulty: &self.difficulty, mapping: &self.mapping, navigation: &self.navigation }
     }
 
-    /// The dials with their names, in order.
+    /// Returns the dials with their names, in order.
     pub fn named(self) -> [(&'static str, T); 3] {
         [
             ("difficulty", self.difficulty),
@@ -59,22 +59,23 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The interval that holds the true value with a probability of 95 %, if errors are normal.
+    /// Returns the interval that contains the true value with a probability of 95 %, if errors are normally
+    /// distributed.
     pub fn interval(self) -> [f64; 2] {
         let half = 1.96 * self.standard_error;
         [self.value - half, self.value + half]
     }
 }
 
-/// What a calibration says of a world.
+/// What a calibration predicts for a world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prediction {
     /// Version of the calibration.
     pub calibration: u32,
-    /// The dials, with standard errors.
+    /// The predicted dials, with their standard errors.
     pub dials: Dials<Estimate>,
-    /// Share of the features that lie outside what the atlas has. Those count as at its border: do not
-    /// rely on the prediction of a world with many of them.
+    /// Share of the features that lie outside the range of the atlas. Such features count as if they were at its
+    /// border, so the prediction of a world with many of them is not reliable.
     pub outside: f64,
 }

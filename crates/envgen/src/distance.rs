@@ -1,18 +1,19 @@
 //! Exact Euclidean distances on a grid.
 
-/// Greatest distance in cells that is measured; farther cells count as this far.
+/// The greatest distance that is measured, in cells. Cells that are farther away count as this far.
 const FAR: u8 = u8::MAX;
 
-/// Squared distance of cells that are 255 cells away or more.
+/// The squared distance of cells that are 255 cells away or more.
 pub const FAR_SQUARED: u16 = u16::MAX;
 
-/// For every cell of a grid of `cols` columns, row by row: the squared distance in cells from its
-/// middle to the middle of the nearest marked cell; [`FAR_SQUARED`] where none is within 255 cells.
+/// Returns, for every cell of a grid, the squared distance in cells from its centre to the centre of the nearest
+/// marked cell; [`FAR_SQUARED`] where no marked cell is within 255 cells. The grid is given row by row and has
+/// `cols` columns.
 ///
-/// Distances along columns first, then the lower envelope of the parabolas that they make in each
-/// row: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of
-/// Computing 8 (2012), <https://doi.org/10.4086/toc.2012.v008a019>, in whole numbers as in Meijster, Roerdink and Hesselink
-/// (2000), <https://doi.org/10.1007/0-306-47025-X_36>. O(cells).
+/// The transform first computes distances along columns, then for each row the lower envelope of the parabolas that
+/// these give: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of Computing 8
+/// (2012), <https://doi.org/10.4086/toc.2012.v008a019>, in whole numbers as in Meijster, Roerdink and Hesselink
+/// (2000), <https://doi.org/10.1007/0-306-47025-X_36>. It takes time proportional to the number of cells.
 ///
 /// ```
 /// use envgen::distance::squared_distances;
@@ -82,7 +83,7 @@ pub fn squared_distances(cols: usize, marked: &[bool]) -> Vec<u16> {
     squared
 }
 
-/// Asserts that cells given row by row fill whole rows of `cols` columns; no cells fit any `cols`.
+/// Asserts that cells given row by row fill whole rows of `cols` columns. An empty grid fits any `cols`.
 #[track_caller]
 pub(crate) fn assert_whole_rows(cells: usize, cols: usize) {
     assert!(

@@ -1,14 +1,15 @@
-//! The continuous and counting laws that the generators draw from.
+//! The continuous and discrete distributions from which the generators draw.
 //!
-//! [`rand_distr`](https://docs.rs/rand_distr) has these laws too, but its floating-point functions
-//! are libm's or the platform's depending on which other crates of a build turn on `num-traits/std`. A
-//! seed would then give different worlds in different programs, so the few laws needed are here, on
-//! `libm` alone: the same bits with every set of features. The tests compare each with `rand_distr`'s.
+//! [`rand_distr`](https://docs.rs/rand_distr) has these distributions too, but its floating-point functions come
+//! from libm or from the platform, depending on which other crates of a build enable `num-traits/std`. A seed would
+//! then give different worlds in different programs. The few distributions that the generators need are therefore
+//! implemented here with `libm` alone, and give the same bits with every set of features. The tests compare each of
+//! them with the one of `rand_distr`.
 //!
-//! # Other laws
+//! # Other distributions
 //!
-//! A [`Stream`] is a generator of `rand_core` 0.10, so that every distribution of `rand` 0.10 and
-//! `rand_distr` 0.6 can be drawn from it:
+//! A [`Stream`] is a random number generator of `rand_core` 0.10, so every distribution of `rand` 0.10 and
+//! `rand_distr` 0.6 can be sampled from it:
 //!
 //! ```
 //! use envgen::Seed;
@@ -23,12 +24,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! With the feature `rand`, generators take such distributions in place of their own laws: the radii of
-//! trees (`forest::ForestLaws`), the lengths of a road's segments and its turns (`road::RoadLaws`), the
-//! distances between hallways and the contents of rooms (`indoor::IndoorLaws`). `Truncated` keeps
-//! them within limits. Their bits are those of the crate that they come from, in the version and
-//! with the features that it is built with. The feature adds no more than the crate `rand` itself, without
-//! its default features, and changes no world that is drawn from the laws here.
+//! With the feature `rand`, generators accept such distributions in place of their own: for the radii of trees
+//! (`forest::ForestLaws`), the lengths of a road's segments and its turns (`road::RoadLaws`), the distances between
+//! hallways and the contents of rooms (`indoor::IndoorLaws`). `Truncated` keeps their values within limits. Their
+//! bits are those of the crate that they come from, in the version and with the features with which it is built.
+//! The feature adds only the crate `rand` itself, without its default features, and does not change any world that
+//! is drawn from the distributions in this module.
 
 mod law;
 #[cfg(feature = "rand")]
@@ -42,7 +43,7 @@ pub use truncated::Truncated;
 
 use crate::seed::Stream;
 
-/// A standard normal number (Marsaglia's polar method).
+/// Draws a number from the standard normal distribution (Marsaglia's polar method).
 ///
 /// ```
 /// use envgen::{Seed, distribution::standard_normal};
@@ -64,11 +65,12 @@ pub fn standard_normal(stream: &mut Stream) -> f64 {
     }
 }
 
-/// The natural logarithm of a gamma variate of the given shape, which must be positive and finite,
-/// and of scale 1. The logarithm stays finite where the variate of a small shape would be 0.
+/// Draws a gamma variate of the given shape and of scale 1, and returns its natural logarithm. The shape must be
+/// positive and finite. The logarithm stays finite where the variate of a small shape would be 0.
 ///
-/// G. Marsaglia and W. W. Tsang, A simple method for generating gamma variables, ACM Transactions
-/// on Mathematical Software 26, 2000, <https://doi.org/10.1145/358407.358414>; below a shape of 1 with the factor of their section 6.
+/// The method is that of G. Marsaglia and W. W. Tsang, A simple method for generating gamma variables, ACM
+/// Transactions on Mathematical Software 26, 2000, <https://doi.org/10.1145/358407.358414>; for shapes below 1 with
+/// the factor of their section 6.
 ///
 /// ```
 /// use envgen::{Seed, distribution::ln_gamma_variate};
@@ -107,12 +109,11 @@ pub fn ln_gamma_variate(stream: &mut Stream, shape: f64) -> f64 {
     }
 }
 
-/// A Poisson count of the given mean, which must be finite, not negative and at most 1e15.
+/// Draws a Poisson count of the given mean, which must be finite, not negative and at most 1e15.
 ///
-/// Knuth's product of uniform numbers below a mean of 10, Hörmann's transformed rejection PTRS above
-/// (W. Hörmann, The transformed rejection method for generating Poisson random variables,
-/// Insurance: Mathematics and Economics 12, 1993,
-/// <https://doi.org/10.1016/0167-6687(93)90997-4>).
+/// Below a mean of 10 the method is Knuth's product of uniform numbers; above, it is Hörmann's transformed
+/// rejection PTRS (W. Hörmann, The transformed rejection method for generating Poisson random variables, Insurance:
+/// Mathematics and Economics 12, 1993, <https://doi.org/10.1016/0167-6687(93)90997-4>).
 ///
 /// ```
 /// use envgen::{Seed, distribution::poisson};

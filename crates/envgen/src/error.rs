@@ -1,34 +1,34 @@
-//! What can go wrong between a spec and a world.
+//! Errors of settings, and how this crate treats invalid numbers.
 //!
-//! An invalid number is never silently replaced by another:
+//! An invalid number is never silently replaced by another one:
 //!
-//! - Input that a program may compute or read (a reach, a resolution, a field of view, any setting of
-//!   a spec) is checked on entry. The error names the field, its value and the allowed values, such
-//!   as [`SpecError`].
-//! - Arguments that a programmer writes down (a range to draw from, the number of columns of a slice)
-//!   are bugs when they are wrong: the function panics, documents so under "Panics", and its message
-//!   names the argument and its value.
-//! - Pure geometry accepts every number: NaN gives NaN, or "no hit", "outside" and "infinitely far".
+//! - Input that a program may compute or read (a reach, a resolution, a field of view, any setting of a spec) is
+//!   checked on entry. The error, such as [`SpecError`], names the field, its value and the allowed values.
+//! - A wrong argument that a programmer writes down (a range to draw from, the number of columns of a slice) is a
+//!   bug: the function panics, its documentation says so under "Panics", and the message names the argument and its
+//!   value.
+//! - Pure geometry accepts every number: NaN gives NaN, or "no hit", "outside" and "infinitely far". Where such a
+//!   number has another meaning, the documentation says so.
 //!   Where such a number has another meaning, the documentation says so.
 
 use std::fmt;
 
 use thiserror::Error;
 
-/// A value of a spec that is not allowed.
+/// The error for a value of a spec that is not allowed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{}", must_be(field, value, allowed))]
 pub struct SpecError {
-    /// The setting, for instance `p_st`.
+    /// The name of the setting, such as `p_st`.
     pub field: String,
     /// The value that was given.
     pub value: String,
-    /// The allowed values with their limits, as after "must be"; a reason may follow after a colon.
+    /// The allowed values with their limits, as they follow "must be"; a reason may follow after a colon.
     pub allowed: String,
 }
 
 impl SpecError {
-    /// An error from its three parts; a value with very many digits is shown with an exponent.
+    /// Creates an error from its three parts. A value with very many digits is shown with an exponent.
     pub fn new(field: &str, value: impl fmt::Display, allowed: impl Into<String>) -> Self {
         let mut value = value.to_string();
         if value.len() > 24
@@ -39,7 +39,7 @@ impl SpecError {
         SpecError { field: field.to_owned(), value, allowed: allowed.into() }
     }
 
-    /// The error of a part of larger settings: its field becomes `part.field`.
+    /// Returns the error with its field as part of larger settings: the field becomes `part.field`.
     ///
     /// ```
     /// use envgen::SpecError;
@@ -53,7 +53,7 @@ impl SpecError {
     }
 }
 
-/// The sentence of an error: that a field must be what is allowed, what it got, and after a colon why.
+/// Formats an error: the field, what is allowed, the value, and after a colon the reason.
 fn must_be(field: &str, value: &str, allowed: &str) -> String {
     match allowed.split_once(": ") {
         Some((allowed, why)) => format!("`{field}` must be {allowed}, got {value}: {why}"),

@@ -1,7 +1,7 @@
-//! World files: a whole world as JSON or RON. Reading one back gives the same bits.
+//! World files: a whole world as JSON or RON, read back to the same bits.
 //!
-//! Both hold the same fields, those of [`World`], the schema version first. JSON is compact; RON
-//! has one line per part, so that a world can be edited by hand and its changes reviewed.
+//! Both formats hold the fields of [`World`], with the schema version first. JSON is compact. RON has one line per
+//! part, so that a world can be edited by hand and its changes can be reviewed.
 
 use std::io::{self, Read, Write};
 
@@ -12,19 +12,19 @@ use thiserror::Error;
 
 use crate::world::{SCHEMA_VERSION, Violation, World};
 
-/// The longest world file that is read, in bytes; longer ones are refused before they fill the
+/// The greatest length of a world file that is read, in bytes. Longer files are refused before they fill the
 /// memory.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// The deepest nesting of the provenance's spec that is written. The readers stop at 128 levels, and
-/// RON counts two for each level of a value, so that no file can exhaust the stack.
+/// The deepest nesting of the provenance's spec that is written. The readers stop at 128 levels, so that no file
+/// can exhaust the stack, and RON counts two levels for each level of a value.
 pub const MAX_SPEC_DEPTH: usize = 32;
 
-/// Keyword of the PNG text chunk that marks a picture of a world, which holds no classes.
+/// The keyword of the PNG text chunk that marks a picture of a world, which contains no classes.
 #[cfg(feature = "picture")]
 pub(crate) const PICTURE_KEY: &str = "envgen-picture";
 
-/// Why a world file could not be read or written.
+/// The reasons why a world file could not be read or written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FileError {
@@ -34,7 +34,7 @@ pub enum FileError {
     /// The file has another schema version.
     #[error("the world file has schema version {found}, expected {SCHEMA_VERSION}")]
     Schema {
-        /// Its version.
+        /// The schema version of the file.
         found: u64,
     },
     /// The text is not the JSON of a world.
@@ -43,7 +43,7 @@ pub enum FileError {
     /// The text is not the RON of a world.
     #[error("not the RON of a world, at {0}")]
     Ron(Box<ron::error::SpannedError>),
-    /// The world cannot be written as RON.
+    /// The world could not be written as RON.
     #[error("the world cannot be written as RON: {0}")]
     WriteRon(Box<ron::Error>),
     /// The world breaks an invariant.
@@ -57,7 +57,7 @@ pub enum FileError {
     TooDeep,
 }
 
-/// The one field that every version of the layout has.
+/// The one field that files of every schema version have.
 #[derive(Deserialize)]
 #[serde(rename = "World")]
 struct AnyVersion {
@@ -65,7 +65,7 @@ struct AnyVersion {
 }
 
 impl World {
-    /// The world as JSON, on one line.
+    /// Returns the world as JSON, on one line.
     ///
     /// # Errors
     /// When the world breaks an invariant, or its provenance is nested too deeply.
@@ -76,7 +76,7 @@ impl World {
         Ok(String::from_utf8_lossy(&text).into_owned())
     }
 
-    /// Writes the world as JSON, on one line with a line break at its end.
+    /// Writes the world as JSON on one line that ends with a line break.
     ///
     /// # Errors
     /// When the world breaks an invariant, its provenance is nested too deeply, or writing fails.
@@ -116,7 +116,7 @@ impl World {
         Ok(world)
     }
 
-    /// The world as RON, one line per part.
+    /// Returns the world as RON, with one line per part.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, World, forest::ForestSpec};
@@ -140,7 +140,7 @@ impl World {
         Ok(text)
     }
 
-    /// Writes the world as RON, one line per part.
+    /// Writes the world as RON, with one line per part.
     ///
     /// # Errors
     /// When the world breaks an invariant, its provenance is nested too deeply, or writing fails.
@@ -165,7 +165,7 @@ impl World {
         Ok(world)
     }
 
-    /// Whether a file of this world could be read back.
+    /// Checks that a file of this world could be read back.
     fn check_writable(&self) -> Result<(), FileError> {
         self.check()?;
         if is_deeper(&self.provenance.spec, MAX_SPEC_DEPTH) {
@@ -209,8 +209,8 @@ fn ron_options() -> ron::Options {
     ron::Options::default().with_recursion_limit(128)
 }
 
-/// Whether arrays and objects of a value are nested more than `limit` deep. It looks no deeper, so
-/// that it needs no more stack than the limit.
+/// Whether arrays and objects of a value are nested more than `limit` levels deep. The search stops at the limit,
+/// so that it needs no more stack than that.
 fn is_deeper(value: &Value, limit: usize) -> bool {
     match value {
         Value::Array(items) => limit == 0 || items.iter().any(|item| is_deeper(item, limit - 1)),

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-/// Closes the open cells connected to `first`, itself included, and reports them run by run. The grid
-/// has `cols` cells per row; every cell is read a few times at most.
+/// Closes the open cells that are connected to `first`, including `first` itself, and reports them run by run. The
+/// grid has `cols` cells per row. Every cell is read a few times at most.
 pub(crate) fn flood(
     cols: usize,
     open: &mut [bool],

@@ -1,4 +1,4 @@
-//! The interface of all kinds: a spec with a seed gives a blueprint, a blueprint gives a world.
+//! The interface of all kinds: a spec and a seed give a blueprint, and a blueprint gives a world.
 
 use std::fmt::Debug;
 
@@ -14,26 +14,26 @@ use crate::world::World;
 
 /// The settings of one kind of world.
 pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned {
-    /// What the generator makes from the spec.
+    /// The blueprint that the generator makes from the spec.
     type Blueprint: Blueprint;
 
-    /// Why a spec and a seed have no blueprint.
+    /// The error if a spec and a seed give no blueprint.
     type Error: std::error::Error + From<SpecError>;
 
     /// The kind's name, as on the command line.
     const KIND: &'static str;
 
-    /// The value version: it rises when a spec and a seed give other values.
+    /// The value version, which rises when a spec and a seed give other values.
     const VALUE_VERSION: u32;
 
-    /// Every field of the spec.
+    /// The settings: one for each field of the spec.
     const SETTINGS: &'static [Setting];
 
-    /// Rules between several settings, besides the limits of each: one sentence per rule, without a
-    /// full stop, with the names of settings in backticks.
+    /// Rules about several settings, in addition to the limits of each: one sentence per rule, without a full stop,
+    /// with the names of settings in backticks.
     const RULES: &'static [&'static str] = &[];
 
-    /// Checks every field, and the fields together.
+    /// Checks every field, and the rules about several fields.
     ///
     /// ```
     /// use envgen::{Spec, hallway::HallwaySpec};
@@ -49,16 +49,16 @@ pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwn
     /// Names the first setting that is not allowed, its value and the allowed values.
     fn validate(&self) -> Result<(), SpecError>;
 
-    /// About how many parts, cells or points a blueprint has: the cost of generating it.
+    /// Estimates the cost of generating a blueprint: the approximate number of its parts, cells or points.
     fn work(&self) -> f64;
 
-    /// Generates a blueprint; the same spec and seed always give the same one.
+    /// Generates a blueprint. The same spec and seed always give the same one.
     ///
     /// # Errors
     /// When the spec is not valid, or when this seed has no blueprint that satisfies it.
     fn generate(&self, seed: Seed) -> Result<Self::Blueprint, Self::Error>;
 
-    /// The provenance of the world that this spec and `seed` give.
+    /// Returns the provenance of the world that this spec and `seed` give.
     ///
     /// ```
     /// use envgen::{Seed, Spec, WorldSpec, forest::ForestSpec};
@@ -76,10 +76,9 @@ pub trait Spec: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwn
     }
 }
 
-/// The plan of a world that a generator makes, in the generator's own terms. It serialises to the
-/// `blueprint` field of `envgen sample`.
+/// The plan of a world in the generator's own terms. It serialises to the `blueprint` field of `envgen sample`.
 pub trait Blueprint: Clone + Debug + PartialEq + Serialize {
-    /// Numbers that describe it: the `metrics` field of `envgen sample`.
+    /// The numbers that describe a blueprint: the `metrics` field of `envgen sample`.
     type Metrics: Clone + Debug + PartialEq + Serialize;
 
     /// Measures the blueprint.

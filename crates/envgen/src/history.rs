@@ -1,6 +1,6 @@
-//! Steps that can be undone and redone.
+//! Undo and redo.
 
-/// The steps of an editor, each a list of reversible changes.
+/// The steps of an editor. Each is a list of reversible changes.
 #[derive(Clone, Debug)]
 pub(crate) struct History<C> {
     done: Vec<Vec<C>>,
@@ -14,7 +14,7 @@ impl<C> Default for History<C> {
 }
 
 impl<C> History<C> {
-    /// Adds a step that was made; what was undone before can no longer be redone.
+    /// Adds a step that was made. Steps that were undone before can no longer be redone.
     pub(crate) fn push(&mut self, step: Vec<C>) {
         self.done.push(step);
         self.undone.clear();
@@ -30,7 +30,7 @@ impl<C> History<C> {
         !self.undone.is_empty()
     }
 
-    /// Undoes the last step by `revert`; returns whether there was one.
+    /// Undoes the last step with `revert`; returns whether there was one.
     pub(crate) fn undo(&mut self, revert: impl FnOnce(&[C])) -> bool {
         let Some(step) = self.done.pop() else { return false };
         revert(&step);
@@ -38,7 +38,7 @@ impl<C> History<C> {
         true
     }
 
-    /// Makes the last undone step again by `repeat`; returns whether there was one.
+    /// Repeats the step that was undone last with `repeat`; returns whether there was one.
     pub(crate) fn redo(&mut self, repeat: impl FnOnce(&[C])) -> bool {
         let Some(step) = self.undone.pop() else { return false };
         repeat(&step);

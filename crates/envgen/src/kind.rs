@@ -18,14 +18,14 @@ macro_rules! kinds {
             /// Every kind, in the order of the documentation.
             pub const ALL: &'static [WorldKind] = &[$(WorldKind::$variant),+];
 
-            /// The name on the command line.
+            /// Returns the name on the command line.
             pub fn name(self) -> &'static str {
                 match self {
                     $(WorldKind::$variant => $name,)+
                 }
             }
 
-            /// What the kind is, in one sentence.
+            /// Returns what the kind is, in one sentence.
             pub fn summary(self) -> &'static str {
                 match self {
                     $(WorldKind::$variant => $doc.trim_ascii(),)+

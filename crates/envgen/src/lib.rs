@@ -1,5 +1,7 @@
-//! Seeded random worlds for robots: a spec and a seed give a blueprint, a blueprint gives a [`World`]
-//! in metres, and everything else reads that world.
+//! Seeded random worlds for robots.
+//!
+//! A spec and a seed give a blueprint, a blueprint gives a [`World`] in metres, and everything else reads that
+//! world.
 //!
 //! ```
 //! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -18,56 +20,57 @@
 //! # Ok::<(), envgen::GenerateError>(())
 //! ```
 //!
-//! # Where to find what
+//! # Overview
 //!
 //! | what | where |
 //! |---|---|
 //! | generators, one module per kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`], [`cellular`] |
 //! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`WorldKind`], [`mod@settings`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
-//! | what generators make | [`World`], [`world`], [`geometry`], [`GridFrame`] |
+//! | output of the generators | [`World`], [`world`], [`geometry`], [`GridFrame`] |
 //! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
-//! | changes by hand, with undo and redo | [`edit`] |
+//! | manual changes, with undo and redo | [`edit`] |
 //! | doors, people and smoke | [`scenario`] |
-//! | how hard a world is to map | [`difficulty`] |
-//! | bodies in three dimensions | [`pieces`], `mesh` |
+//! | how difficult a world is to map | [`difficulty`], [`calibration`] |
+//! | bodies in three dimensions | [`pieces`], [`mod@outline`], `mesh` |
 //! | colours of pictures | [`palette`] |
 //! | files | [`export`], [`import`], [`mod@file`], `whole_file` |
-//! | errors with the name of their file or option | [`located`] |
+//! | errors that name a file or an option | [`located`] |
 //!
 //! # Guarantees
 //!
-//! - The same spec, seed and crate version give the same world, to the last bit, on every platform,
-//!   with every set of features and any number of threads.
-//! - Metres, radians and seconds in `f64`; x right, y up, headings counter-clockwise from +x.
-//! - Every spec is validated; an error names the field, the value and the allowed values. No spec
-//!   causes a panic, or unbounded time or memory.
-//! - An invalid number is never silently replaced: NaN, a negative number or a zero that is not allowed
-//!   is an error, or a documented panic where only a mistake in the program can cause it.
+//! - The same spec, seed and crate version give the same world, to the last bit, on every platform, with every set
+//!   of features and any number of threads.
+//! - Lengths are in metres, angles in radians and times in seconds, as `f64`; x points right, y up, and headings
+//!   are counter-clockwise from +x.
+//! - Every spec is validated; an error names the field, the value and the allowed values. No spec causes a panic,
+//!   or takes unbounded time or memory.
+//! - An invalid number is never silently replaced: NaN, a negative number, or a zero that is not allowed is an
+//!   error, or a documented panic where only a mistake in the program can cause it.
 //!
 //! # Features
 //!
 //! | feature | default | what it adds |
 //! |---|---|---|
-//! | `formats` | yes | all of the following formats |
+//! | `formats` | yes | all of the following formats, up to `usarsim` |
 //! | `barn` | yes | reading the worlds of the BARN data set |
-//! | `csv` | yes | the waypoints of roads, and what is solid, as comma-separated values |
+//! | `csv` | yes | the waypoints of roads, and the solid parts of worlds, as comma-separated values |
 //! | `geojson` | yes | parts of worlds as GeoJSON |
 //! | `gltf` | yes | worlds as glTF 2.0, in one binary file |
-//! | `mesh` | yes | worlds as closed meshes of triangles |
-//! | `mjcf` | yes | worlds for MuJoCo |
-//! | `opendrive` | yes | roads, and what is solid, as OpenDRIVE |
+//! | `mesh` | yes | worlds as closed triangle meshes |
+//! | `mjcf` | yes | worlds for MuJoCo, as MJCF |
+//! | `opendrive` | yes | roads and solid parts as OpenDRIVE |
 //! | `paths` | yes | least-cost paths on landscapes, and the maps and scenarios of MovingAI |
-//! | `rmf` | yes | buildings of Open-RMF |
-//! | `ros` | yes | reading maps of ROS and Nav2; they can always be written |
-//! | `sdf` | yes | worlds for Gazebo |
+//! | `rmf` | yes | buildings for Open-RMF |
+//! | `ros` | yes | reading maps of ROS and Nav2; writing them needs no feature |
+//! | `sdf` | yes | worlds for Gazebo, as SDFormat |
 //! | `usarsim` | yes | projects and libraries of the World Generator for `USARSim` |
-//! | `parallel` | yes | large rasters are counted on all cores, a difficulty vector is computed on two |
+//! | `parallel` | yes | large rasters are counted on all cores, and a difficulty vector is computed on two |
 //! | `picture` | yes | SVG and PNG pictures, drawn on the CPU |
 //! | `usd` | no | worlds as Universal Scene Description; its crate changes how PNG files are compressed in the whole build |
-//! | `rand` | no | worlds drawn from any distribution of `rand` and `rand_distr`, see [`distribution`] |
-//! | `bevy_reflect` | no | kinds of parts that Bevy's inspectors and scenes know; `bevy_envgen` turns it on |
-//! | `whole-file` | no | files that are written completely or not at all |
+//! | `rand` | no | worlds drawn from any distribution of `rand` and `rand_distr`; see [`distribution`] |
+//! | `bevy_reflect` | no | `Reflect` for kinds of parts, for Bevy's inspectors and scenes; `bevy_envgen` enables it |
+//! | `whole-file` | no | files that are written either completely or not at all |
 //! | `cli` | no | the command `envgen` |
 
 #![cfg_attr(docsrs, feature(doc_cfg))]

@@ -1,7 +1,7 @@
-//! Errors that say which file or option they are about.
+//! Errors that name the file or option that they concern.
 //!
-//! Readers and writers of this crate take streams and do not know file names. The caller that opened
-//! the file or read the command line puts the name before the error, always in the same form:
+//! Readers and writers of this crate take streams and do not know file names. The caller that opened the file or
+//! read the command line puts the name before the error, always in the same form:
 //!
 //! ```
 //! use envgen::WorldSpec;
@@ -18,12 +18,12 @@ use std::error::Error;
 use std::fmt::{self, Debug, Display};
 use std::path::Path;
 
-/// An error, and the file or option that it is about.
+/// An error with the file or option that it concerns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Located<E> {
-    /// The file, or the option with its value.
+    /// The file name, or the option with its value.
     pub place: String,
-    /// The error there.
+    /// The error.
     pub error: E,
 }
 
@@ -35,18 +35,18 @@ impl<E: Display> Display for Located<E> {
 
 impl<E: Debug + Display> Error for Located<E> {}
 
-/// Adds to an error the file or option that it is about.
+/// Adds to an error the file or option that it concerns.
 pub trait Locate<T, E> {
-    /// Adds the name of a file.
+    /// Adds a file name to the error.
     ///
     /// # Errors
-    /// The error with the file's name.
+    /// Returns the error with the file name.
     fn in_file(self, path: &Path) -> Result<T, Located<E>>;
 
-    /// Adds an option of the command line and its value.
+    /// Adds an option of the command line and its value to the error.
     ///
     /// # Errors
-    /// The error with the option and its value.
+    /// Returns the error with the option and its value.
     fn in_option(self, option: &str, value: impl Display) -> Result<T, Located<E>>;
 }
 

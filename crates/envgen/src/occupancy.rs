@@ -1,4 +1,4 @@
-//! A [`World`] as a grid of free and occupied cells.
+//! Occupancy grids: a [`World`] as free and occupied cells.
 
 use glam::DVec2;
 use thiserror::Error;
@@ -7,10 +7,10 @@ use crate::geometry::{Rect, Shape, edges};
 use crate::grid::{Convex, GridFrame};
 use crate::world::World;
 
-/// The most cells that a grid may have: one byte each.
+/// The greatest number of cells of a grid. Each takes one byte.
 pub const MAX_CELLS: u64 = 1 << 28;
 
-/// When a solid part occupies a cell.
+/// The rule by which a solid part occupies a cell.
 ///
 /// ```
 /// use envgen::geometry::{Rect, Shape};
@@ -29,14 +29,14 @@ pub const MAX_CELLS: u64 = 1 << 28;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coverage {
-    /// When it touches the cell anywhere: no free cell holds a solid point.
+    /// A part occupies every cell that it touches, so that no free cell contains a solid point.
     Conservative,
-    /// When it covers the cell's middle: areas come out right on average. Parts without an inside
-    /// (segments) still occupy every cell that they touch.
+    /// A part occupies a cell if it covers the cell's centre, so that areas are right on average. Parts without an
+    /// interior (segments) still occupy every cell that they touch.
     Centre,
 }
 
-/// Why a grid could not be made.
+/// The reasons why a grid could not be made.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum OccupancyError {
@@ -51,26 +51,27 @@ pub enum OccupancyError {
     Size {
         /// The requested side of a cell, in metres.
         resolution: f64,
-        /// Columns it would take.
+        /// Number of columns that it would have.
         cols: f64,
-        /// Rows it would take.
+        /// Number of rows that it would have.
         rows: f64,
-        /// The most cells.
+        /// The greatest number of cells that is allowed.
         most: u64,
     },
-    /// The cells do not fill whole rows.
+    /// The cells do not fill one or more whole rows.
     #[error("{cells} cells do not fill one or more whole rows of {cols}")]
     Cells {
-        /// Cells that were given.
+        /// Number of cells that were given.
         cells: usize,
-        /// Columns that were given.
+        /// Number of columns that was given.
         cols: usize,
     },
 }
 
-/// Square cells over a rectangle, free or occupied. Row 0 is the lowest (least y), column 0 the
-/// leftmost; cell (`col`, `row`) covers `origin` + [`col`, `col` + 1) x `resolution`, and likewise
-/// in y.
+/// A grid of square cells over a rectangle, each free or occupied.
+///
+/// Row 0 is the lowest (least y) and column 0 the leftmost. Cell (`col`, `row`) covers `origin` + [`col`, `col` +
+/// 1) x `resolution` in x, and likewise in y.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -88,7 +89,7 @@ pub struct OccupancyGrid {
     occupied: Vec<bool>,
 }
 
-/// Columns and rows of the grid over an area, where they make at most `most` cells.
+/// Returns the columns and rows of the grid over an area, if it has at most `most` cells.
 pub(crate) fn size_in_cells(
     area: Rect,
     resolution: f64,
@@ -107,12 +108,11 @@ pub(crate) fn size_in_cells(
 }
 
 impl OccupancyGrid {
-    /// The grid over a world's bounds. Time: at most one step per cell, and one per row that a part
+    /// Creates the grid over a world's bounds. It takes at most one step per cell, and one per row that a part
     /// crosses.
     ///
     /// # Errors
-    /// When the resolution is not positive or makes more than [`MAX_CELLS`] cells; nothing is
-    /// allocated then.
+    /// When the resolution is not positive, or gives more than [`MAX_CELLS`] cells; then nothing is allocated.
     pub fn of(world: &World, resolution: f64, coverage: Coverage) -> Result<Self, OccupancyError> {
         let mut grid = OccupancyGrid::empty(world.bounds, resolution)?;
         for solid in world.solids() {
@@ -121,7 +121,7 @@ impl OccupancyGrid {
         Ok(grid)
     }
 
-    /// A free grid over an area.
+    /// Creates a grid over an area, in which all cells are free.
     ///
     /// # Errors
     /// As [`OccupancyGrid::of`].
@@ -132,7 +132,7 @@ impl OccupancyGrid {
         Ok(OccupancyGrid { frame, occupied })
     }
 
-    /// A grid of given cells, row by row from the lowest, `cols` per row.
+    /// Creates a grid of given cells, row by row from the lowest, with `cols` cells per row.
     ///
     /// ```
     /// use envgen::glam::DVec2;
@@ -170,58 +170,58 @@ impl OccupancyGrid {
         Ok(OccupancyGrid { frame, occupied })
     }
 
-    /// Where the cells lie.
+    /// Returns the frame of the cells.
     pub fn frame(&self) -> GridFrame {
         self.frame
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn cols(&self) -> usize {
         self.frame.cols
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.frame.rows
     }
 
-    /// Side of a cell in metres.
+    /// Returns the side of a cell in metres.
     pub fn resolution(&self) -> f64 {
         self.frame.cell_size
     }
 
-    /// Lower left corner of cell (0, 0) in metres.
+    /// Returns the lower left corner of cell (0, 0) in metres.
     pub fn origin(&self) -> DVec2 {
         self.frame.origin
     }
 
-    /// Every cell, row by row from the lowest: whether it is occupied.
+    /// Returns for every cell whether it is occupied, row by row from the lowest.
     pub fn cells(&self) -> &[bool] {
         &self.occupied
     }
 
-    /// Whether a cell is occupied; `None` outside the grid.
+    /// Returns whether a cell is occupied; `None` outside the grid.
     pub fn occupied(&self, col: usize, row: usize) -> Option<bool> {
         (col < self.frame.cols && row < self.frame.rows)
             .then(|| self.occupied[self.frame.index(col, row)])
     }
 
-    /// Whether the cell around a point is occupied; `None` outside the grid.
+    /// Returns whether the cell that contains a point is occupied; `None` outside the grid.
     pub fn occupied_at(&self, p: DVec2) -> Option<bool> {
         self.frame.index_at(p).map(|cell| self.occupied[cell])
     }
 
-    /// Column and row of the cell around a point; `None` outside the grid.
+    /// Returns the column and row of the cell that contains a point; `None` outside the grid.
     pub fn cell_at(&self, p: DVec2) -> Option<(usize, usize)> {
         self.frame.cell_at(p)
     }
 
-    /// Middle of a cell in metres.
+    /// Returns the centre of a cell in metres.
     pub fn cell_centre(&self, col: usize, row: usize) -> DVec2 {
         self.frame.center(col, row)
     }
 
-    /// Occupies the cells of a shape.
+    /// Marks the cells that a shape covers as occupied.
     pub fn occupy(&mut self, shape: &Shape, coverage: Coverage) {
         match (shape, coverage) {
             (Shape::Segment { a, b }, _) => self.occupy_touched(&Convex::Polygon(&[*a, *b])),
@@ -272,7 +272,7 @@ impl OccupancyGrid {
         });
     }
 
-    /// Occupies the cells whose middles lie in the runs of x that `runs_at` gives for a height y.
+    /// Occupies the cells whose centres lie in the intervals of x that `runs_at` gives for a y.
     fn occupy_centres(&mut self, bounds: Rect, mut runs_at: impl FnMut(f64, &mut Vec<(f64, f64)>)) {
         let GridFrame { origin, cell_size: side, cols, rows } = self.frame;
         let (low, high) = (bounds.min.y - origin.y, bounds.max.y - origin.y);

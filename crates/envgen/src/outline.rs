@@ -1,18 +1,18 @@
-//! Outlines of shapes as corners, for meshes and files that have no discs.
+//! Outlines of shapes as polygons, for meshes and for file formats that have no discs.
 
 use glam::DVec2;
 
 use crate::geometry::{Shape, regular_polygon};
 use crate::pieces::LINE_THICKNESS;
 
-/// How far the sides of an outline of a disc are inside it at most, in metres.
+/// The greatest distance in metres by which the sides of a disc's outline lie inside its circle.
 pub const ROUNDNESS: f64 = 1e-3;
 
 /// The fewest and most sides of an outline of a disc.
 const SIDES: std::ops::RangeInclusive<usize> = 12..=256;
 
-/// The outline of a shape, counter-clockwise, relative to a point in its middle: discs have many sides,
-/// lines are [`LINE_THICKNESS`] thick.
+/// Returns the outline of a shape as the point in its middle, and the corners relative to that point,
+/// counter-clockwise. A disc becomes a polygon with many sides, and a line becomes a strip of [`LINE_THICKNESS`].
 ///
 /// ```
 /// use envgen::geometry::{Shape, signed_area};
@@ -44,7 +44,7 @@ pub fn outline(shape: &Shape) -> (DVec2, Vec<DVec2>) {
     }
 }
 
-/// As many sides of a regular polygon as keep it within [`ROUNDNESS`] of its circle.
+/// Returns the number of sides that keeps a regular polygon within [`ROUNDNESS`] of its circle.
 fn sides(radius: f64) -> usize {
     // The middle of a side is radius * (1 - cos(pi / n)) inside, about radius * pi^2 / (2 n^2).
     let sides = std::f64::consts::PI * (radius / (2.0 * ROUNDNESS)).sqrt();

@@ -1,4 +1,4 @@
-//! What a world consists of in three dimensions: what meshes and files of other simulators are made of.
+//! The bodies of a world in three dimensions, from which meshes and files of other simulators are made.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -11,10 +11,10 @@ use crate::world::{
     Crown, Extent, FLOOR, PartId, PartKind, RoadStrip, Room, Tree, WallKind, World,
 };
 
-/// Thickness in metres of what is a line in the world.
+/// Thickness in metres of the body of a part that is a line in the plane.
 pub const LINE_THICKNESS: f64 = 0.01;
 
-/// The ground of worlds without floors.
+/// The ground of a world that has no floors.
 fn ground() -> Extent {
     let Ok(extent) = Extent::new(-0.2, FLOOR.top()) else {
         unreachable!("-0.2 is below the floor")
@@ -22,7 +22,7 @@ fn ground() -> Extent {
     extent
 }
 
-/// One body of a world: a part, or a part of it.
+/// A body in three dimensions: a part of a world, or a component of one, such as the crown of a tree.
 ///
 /// ```
 /// use envgen::pieces::{Role, pieces};
@@ -37,19 +37,19 @@ fn ground() -> Extent {
 pub struct Piece<'a> {
     /// The part that it belongs to; `None` for the ground.
     pub part: Option<PartId>,
-    /// What it is of its part.
+    /// Which component of its part it is.
     pub role: Role,
-    /// What the part is, as in world files: `wall`, `desk`, `tree`, `water` and so on.
+    /// The kind of the part, as in world files: `wall`, `desk`, `tree`, `water` and so on.
     pub kind: String,
-    /// Its form.
+    /// Its geometric form.
     pub form: Form<'a>,
     /// Whether it stops robots and rays.
     pub is_solid: bool,
-    /// Its colour, as in pictures.
+    /// Its colour, as in pictures from above.
     pub color: Srgb,
 }
 
-/// What a piece is of its part.
+/// Which component of its part a piece is.
 ///
 /// ```
 /// use envgen::pieces::{Role, pieces};
@@ -66,7 +66,7 @@ pub struct Piece<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Role {
-    /// The part itself; of a tree the trunk, of a doorway the closed door.
+    /// The part itself; the trunk of a tree, or the closed door of a doorway.
     Body,
     /// The wall over a doorway.
     Lintel,
@@ -76,12 +76,12 @@ pub enum Role {
     Floor,
     /// The ceiling over a room or hallway.
     Ceiling,
-    /// The ground of worlds without floors.
+    /// The ground of a world that has no floors.
     Ground,
 }
 
 impl Role {
-    /// Its name in files: `body`, `lintel`, `crown`, `floor`, `ceiling` or `ground`.
+    /// Returns its name in files: `body`, `lintel`, `crown`, `floor`, `ceiling` or `ground`.
     pub fn name(self) -> &'static str {
         match self {
             Role::Body => "body",
@@ -94,19 +94,19 @@ impl Role {
     }
 }
 
-/// The form of a piece.
+/// The geometric form of a piece.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Form<'a> {
-    /// A shape from a bottom to a top.
+    /// A shape in the plane, extruded from a bottom to a top.
     Prism {
-        /// Its outline from above.
+        /// Its outline, seen from above.
         shape: Cow<'a, Shape>,
         /// Its bottom and top.
         extent: Extent,
     },
-    /// An ellipsoid about a vertical axis.
+    /// An ellipsoid with a vertical axis: the crown of a tree.
     Crown {
-        /// The axis, from above.
+        /// Position of the axis in the plane.
         center: DVec2,
         /// Its extent and radius.
         crown: Crown,
@@ -121,7 +121,7 @@ pub enum Form<'a> {
 }
 
 impl Form<'_> {
-    /// Its bottom and top.
+    /// Returns the bottom and top of the form.
     pub fn extent(&self) -> Extent {
         match self {
             Form::Prism { extent, .. } | Form::Road { extent, .. } => *extent,
@@ -131,7 +131,7 @@ impl Form<'_> {
 }
 
 impl fmt::Display for Piece<'_> {
-    /// A name that no other piece of its world has: `wall_3`, `doorway_0_lintel`, `ground`.
+    /// Writes a name that no other piece of the world has, such as `wall_3`, `doorway_0_lintel` or `ground`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(PartId { kind, index }) = self.part {
             write!(f, "{}_{index}", kind.name())?;
@@ -147,9 +147,9 @@ impl fmt::Display for Piece<'_> {
     }
 }
 
-/// Everything of a world that has a body, in the order of its lists: the ground or the floors, surfaces,
-/// roads, walls, trees with their crowns, doors and lintels, and obstacles. A landscape's raster is not
-/// among it; its obstacles and surfaces are.
+/// Returns all pieces of a world, in the order of its lists: the ground or the floors, surfaces, roads, walls,
+/// trees with their crowns, doors and lintels, and obstacles. The raster of a landscape has no pieces; its
+/// obstacles and surfaces have.
 pub fn pieces(world: &World) -> Vec<Piece<'_>> {
     let mut all: Vec<_> = ground_of(world).into_iter().collect();
     let lintels = world.lintels();
@@ -171,7 +171,7 @@ pub fn pieces(world: &World) -> Vec<Piece<'_>> {
     all
 }
 
-/// The ground of a world without floors, as large as its bounds.
+/// Returns the ground of a world that has no floors, as large as its bounds.
 pub fn ground_of(world: &World) -> Option<Piece<'_>> {
     let has_floor =
         !world.rooms.is_empty() || world.surfaces.iter().any(|surface| surface.kind.is_hall());
@@ -185,8 +185,8 @@ pub fn ground_of(world: &World) -> Option<Piece<'_>> {
     })
 }
 
-/// The ceilings over rooms, hallways and open areas, which are not among [`pieces`]: worlds are shown without
-/// them, but who is inside sees them.
+/// Returns the ceilings over rooms, hallways and open areas. They are not among [`pieces`], because worlds are
+/// shown without them; a camera inside a building sees them.
 pub fn ceilings(world: &World) -> Vec<Piece<'_>> {
     let part = |kind, index: usize| PartId { kind, index: index as u32 };
     let rooms = (0..world.rooms.len()).map(|i| part(PartKind::Room, i));
@@ -195,7 +195,7 @@ pub fn ceilings(world: &World) -> Vec<Piece<'_>> {
     rooms.chain(surfaces).filter_map(|part| ceiling_of(world, part, wall_top)).collect()
 }
 
-/// The ceiling over a room, hallway or open area; `None` for other parts. `wall_top` is [`World::wall_top`].
+/// Returns the ceiling over a room, hallway or open area; `None` for other parts. `wall_top` is [`World::wall_top`].
 pub fn ceiling_of(world: &World, part: PartId, wall_top: f64) -> Option<Piece<'_>> {
     let index = part.index as usize;
     let (shape, bottom) = match part.kind {
@@ -220,7 +220,7 @@ pub fn ceiling_of(world: &World, part: PartId, wall_top: f64) -> Option<Piece<'_
     })
 }
 
-/// The floor of a room, as thick as that of other ground.
+/// Returns the bottom and top of the floor of a room, which is as thick as the floors elsewhere.
 fn floor_of(room: &Room) -> Extent {
     let top = room.extent().bottom();
     Extent::between(top + FLOOR.bottom(), top)
@@ -229,8 +229,8 @@ fn floor_of(room: &Room) -> Extent {
 /// Thickness of ceilings in metres.
 const CEILING_THICKNESS: f64 = 0.1;
 
-/// The bodies of one part: two of a tree, none of an open doorway without a lintel, none of a part that
-/// does not exist. `lintel` is the element of [`World::lintels`] for a doorway.
+/// Returns the pieces of one part: two for a tree, and none for an open doorway without a lintel or for a part that
+/// does not exist. For a doorway, `lintel` is its element of [`World::lintels`].
 pub fn pieces_of(world: &World, part: PartId, lintel: Option<Extent>) -> Vec<Piece<'_>> {
     bodies(world, part, lintel).unwrap_or_default()
 }
@@ -296,7 +296,7 @@ fn bodies(world: &World, part: PartId, lintel: Option<Extent>) -> Option<Vec<Pie
     })
 }
 
-/// The trunk and the crown of a tree, which need not be part of a world.
+/// Returns the trunk and the crown of a tree, which need not be part of a world.
 pub fn tree_pieces<'a>(part: Option<PartId>, tree: &Tree) -> [Piece<'a>; 2] {
     let shape = Cow::Owned(Shape::Disc { center: tree.center, radius: tree.radius });
     let trunk = Piece {
@@ -317,10 +317,10 @@ pub fn tree_pieces<'a>(part: Option<PartId>, tree: &Tree) -> [Piece<'a>; 2] {
     [trunk, crown]
 }
 
-/// Bark; pictures from above show no trunks.
+/// The colour of bark. Pictures from above do not show trunks.
 const TRUNK: Srgb = Srgb::hex(0x7a_5c_43);
 
-/// The name of a kind in world files; of a class of a landscape `class_3`.
+/// Returns the name of a kind in world files, which is `class_3` for class 3 of a landscape.
 fn name_of<T: serde::Serialize>(kind: &T) -> String {
     match serde_json::to_value(kind) {
         Ok(serde_json::Value::String(name)) => name,

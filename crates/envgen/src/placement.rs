@@ -1,4 +1,4 @@
-//! A start for a robot in a world that has none.
+//! Start poses for robots in worlds that have none.
 
 use glam::DVec2;
 
@@ -8,12 +8,12 @@ use crate::grid::{GridFrame, largest_region};
 use crate::occupancy::{Coverage, OccupancyError, OccupancyGrid};
 use crate::world::World;
 
-/// Cells in metres of the grid on which a pose is searched.
+/// Side in metres of the cells of the grid on which a pose is searched.
 const GRID: f64 = 0.1;
 
-/// The middle of the cell in the largest free region of a grid that is farthest from occupied cells
-/// and from the grid's border. Cells are connected by their sides; of equal ones the first is taken, row
-/// by row from the lowest. `None` when no cell is free.
+/// Returns the centre of the cell that is farthest from occupied cells and from the grid's border, in the largest
+/// free region of a grid; `None` if no cell is free. Cells are connected by their sides. Among equal cells, the
+/// first one is taken, row by row from the lowest.
 ///
 /// ```
 /// use envgen::occupancy::{Coverage, OccupancyGrid};
@@ -45,7 +45,8 @@ pub fn max_clearance_point(grid: &OccupancyGrid) -> Option<DVec2> {
     Some(frame.center_of(best))
 }
 
-/// A pose in the largest free region of a world, away from walls, on a grid of 0.1 m. `None` when nothing is free.
+/// Returns a pose in the largest free region of a world, as far from solid parts as possible on a grid of 0.1 m;
+/// `None` if no cell is free.
 ///
 /// ```
 /// use envgen::placement::pose_of_most_clearance;
@@ -59,7 +60,7 @@ pub fn max_clearance_point(grid: &OccupancyGrid) -> Option<DVec2> {
 /// ```
 ///
 /// # Errors
-/// When the world is too large for that grid.
+/// When the world is too large for a grid of that resolution.
 pub fn pose_of_most_clearance(world: &World) -> Result<Option<Pose>, OccupancyError> {
     let grid = OccupancyGrid::of(world, GRID, Coverage::Conservative)?;
     Ok(max_clearance_point(&grid).map(|position| Pose { position, heading: 0.0 }))

@@ -1,4 +1,4 @@
-//! Where a world comes from.
+//! The provenance of worlds.
 
 use std::borrow::Cow;
 
@@ -8,48 +8,46 @@ use serde_json::Value;
 use crate::dials::{Dials, Estimate};
 use crate::seed::{STREAM_ALGORITHM, Seed};
 
-/// Where a world comes from, complete enough to generate it again.
+/// The provenance of a world, complete enough to generate it again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
-    /// The kind of world, such as `hallway`; `import` for one that was read from another format
-    /// and `manual` for one that was put together by hand.
+    /// The kind of world, such as `hallway`; `import` for a world that was read from another format, and `manual`
+    /// for one that was built by hand.
     pub kind: String,
     /// The settings, by name, or what is known about the source.
     pub spec: Value,
-    /// The seed; absent for worlds made without one.
+    /// The seed; absent for worlds that were made without one.
     pub seed: Option<Seed>,
-    /// The algorithm of the random streams, [`STREAM_ALGORITHM`] when it was generated.
+    /// The algorithm of the random streams: [`STREAM_ALGORITHM`] of the version that generated the world.
     pub algorithm: String,
     /// The version of the crate `envgen`.
     pub crate_version: String,
-    /// The value version of this kind: the same spec and seed give the same world as long as it does
-    /// not change.
+    /// The value version of this kind. As long as it does not change, the same spec and seed give the same world.
     pub value_version: u32,
-    /// Whether the world was changed after it was generated, so that it may no longer be what the
-    /// spec asked for.
+    /// Whether the world was changed after it was generated, so that it may no longer satisfy its spec.
     pub edited: bool,
-    /// The changes by hand of an indoor map, in order: each an [`indoor::Edit`](crate::indoor::Edit). Spec, seed and
-    /// these give the world again. Empty for worlds that were changed otherwise.
+    /// The manual changes of an indoor map, in order, each an [`indoor::Edit`](crate::indoor::Edit). Spec, seed and
+    /// these edits give the world again. Empty for worlds that were changed in another manner.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub edits: Vec<Value>,
     /// The requested difficulty, recorded when an edit makes it invalid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub difficulty_requested: Option<f64>,
-    /// The difficulty that trials measured in this world, where it was.
+    /// The difficulty that trials measured in this world, if they did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub measured: Option<Box<MeasuredDifficulty>>,
 }
 
-/// The difficulty of a world as trials measured it.
+/// The difficulty of a world, as measured by trials.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredDifficulty {
-    /// The panel of policies, lasers and estimators.
+    /// The name of the panel of policies, lasers and estimators.
     pub panel: String,
-    /// Its version.
+    /// The version of the panel.
     pub panel_version: u32,
-    /// The dials, with standard errors by the noise of the trials.
+    /// The dials, with standard errors due to the noise of the trials.
     pub dials: Dials<Estimate>,
     /// Number of trials.
     pub trials: u32,
@@ -61,8 +59,8 @@ pub struct MeasuredDifficulty {
 pub(crate) const IMPORT: &str = "import";
 
 impl Provenance {
-    /// Where a world comes from that was written to a file of another format and read again, as far as the file says;
-    /// that of any other world.
+    /// Returns the provenance that a world had before it was written to a file of another format and read again, as
+    /// far as the file states it. For any other world, returns this provenance itself.
     ///
     /// ```
     /// # #[cfg(feature = "geojson")] {
@@ -84,7 +82,7 @@ impl Provenance {
         made_by.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
-    /// Kind and seed, such as `indoor, seed 3`.
+    /// Returns kind and seed as text, such as `indoor, seed 3`.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -97,7 +95,7 @@ impl Provenance {
         self.seed.map_or(self.kind.clone(), |seed| format!("{}, seed {seed}", self.kind))
     }
 
-    /// The provenance of a generated world.
+    /// Returns the provenance of a generated world.
     pub fn generated(kind: &str, spec: Value, seed: Seed, value_version: u32) -> Self {
         Provenance {
             kind: kind.to_owned(),
@@ -113,8 +111,8 @@ impl Provenance {
         }
     }
 
-    /// The provenance of a world that was put together by hand (`manual`) or read from another
-    /// format (`import`), with what is known about it.
+    /// Returns the provenance of a world that was built by hand (`manual`) or read from another format (`import`),
+    /// with what is known about its source.
     pub fn other(kind: &str, source: Value) -> Self {
         Provenance {
             kind: kind.to_owned(),

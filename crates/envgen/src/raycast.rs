@@ -1,4 +1,4 @@
-//! Exact ranges from a [`World`]'s solid parts.
+//! Ray casting: exact ranges to a [`World`]'s solid parts.
 
 use std::f64::consts::TAU;
 
@@ -9,11 +9,11 @@ use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
 use crate::grid::{CellBuckets, Convex, GridFrame, MAX_CELLS, finest_frame, index_area};
 use crate::world::{PartId, Solid, World};
 
-/// About this many cells of the index per shape, where parts are spread evenly.
+/// Target number of cells of the index per shape, where parts are spread evenly.
 const CELLS_A_SHAPE: f64 = 2.0;
 
-/// A shape is listed in at most this many cells, on average over all shapes. Worlds whose parts
-/// overlap each other get a coarser index, so that its memory is bounded.
+/// The most cells in which a shape is listed, on average over all shapes. Worlds with overlapping parts get a
+/// coarser index, so that its memory is bounded.
 const MAX_LISTINGS: usize = 24;
 
 /// The most rays of a scan pattern.
@@ -33,8 +33,8 @@ pub struct Hit {
 pub struct SurfaceHit {
     /// The part and its distance.
     pub hit: Hit,
-    /// The surface's unit normal where the ray meets it, on the side that the ray comes from; against the
-    /// ray's direction where the ray starts inside the part.
+    /// The surface's unit normal where the ray meets it, on the side from which the ray comes. If the ray starts
+    /// inside the part, the normal is opposite to the ray's direction.
     pub normal: DVec2,
 }
 
@@ -60,9 +60,9 @@ pub struct ScanPattern {
 }
 
 impl ScanPattern {
-    /// `beams` rays spread evenly over `field_of_view` radians, centred on the scanner's heading,
-    /// from right to left; both ends have a ray. The field of view is from 0 to 2 pi, the number of
-    /// beams at most a million.
+    /// Creates a pattern of `beams` rays that are spread evenly over `field_of_view` radians, centred on the
+    /// scanner's heading, from right to left, with a ray at both ends. The field of view is from 0 to 2 pi; there
+    /// are at most a million beams.
     ///
     /// # Errors
     /// Names the first of the two that is out of range.
@@ -81,7 +81,7 @@ impl ScanPattern {
         Ok(ScanPattern { directions })
     }
 
-    /// The unit vectors of the rays, from right to left, relative to the scanner's heading.
+    /// Returns the unit vectors of the rays, from right to left, relative to the scanner's heading.
     ///
     /// ```
     /// use envgen::glam::DVec2;
@@ -99,12 +99,12 @@ impl ScanPattern {
         &self.directions
     }
 
-    /// Number of rays.
+    /// Returns the number of rays.
     pub fn len(&self) -> usize {
         self.directions.len()
     }
 
-    /// Whether there is no ray.
+    /// Returns whether there are no rays.
     pub fn is_empty(&self) -> bool {
         self.directions.is_empty()
     }
@@ -112,9 +112,9 @@ impl ScanPattern {
 
 /// An index of a world's solid parts for casting rays.
 ///
-/// A coarse uniform grid: a ray visits the cells that it crosses in order, and each cell lists the
-/// shapes that touch it. Ranges are exact: the shapes themselves are intersected, not cells. The index
-/// is a copy: build a new one when the world changes.
+/// The index is a coarse uniform grid. A ray visits the cells that it crosses in order, and each cell lists the
+/// shapes that touch it. Rays are intersected with the shapes themselves, so ranges are exact. The index holds a
+/// copy of the parts: build a new one when the world changes.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, raycast::Raycaster};
@@ -132,15 +132,15 @@ pub struct Raycaster {
     frame: GridFrame,
     per_cell: f64,
     shapes: CellBuckets<Listing>,
-    /// The filled polygons around each cell. Rays meet their sides; the fillings only tell whether a
-    /// ray starts inside one.
+    /// The filled polygons around each cell. Rays are intersected with their sides; the fillings are used only to
+    /// find whether a ray starts inside one.
     fillings: CellBuckets<u32>,
     polygons: Vec<(PartId, Vec<DVec2>)>,
-    /// The parts that lasers see only from near, and from how near, in the parts' order.
+    /// The parts with a limited visible range, with that range in metres, in the parts' order.
     dark: Vec<(PartId, f64)>,
 }
 
-/// A shape as a cell lists it, with all that a ray needs.
+/// A shape as a cell lists it, with all data that a ray needs.
 #[derive(Clone, Copy, Debug)]
 struct Listing {
     outline: Outline,
@@ -163,8 +163,8 @@ impl Raycaster {
         Raycaster::of(world, world.solids())
     }
 
-    /// Indexes the solid parts that a level plane meets, such as a laser's, at a height in metres above the
-    /// floor: what is lower or higher is not seen. As [`Raycaster::new`] where all are met.
+    /// Indexes the solid parts that a horizontal plane, such as that of a laser, meets at a height in metres above
+    /// the floor. If it meets all parts, this equals [`Raycaster::new`].
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, raycast::Raycaster, road::RoadSpec};
@@ -181,7 +181,7 @@ impl Raycaster {
         Raycaster::of(world, world.solids_at(height))
     }
 
-    /// Indexes the parts that a laser of a height in metres sees only from near; `None` where a world has none.
+    /// Indexes the dark parts that a laser at a height in metres meets; `None` if a world has no dark parts.
     pub fn of_dark(world: &World, height: f64) -> Option<Self> {
         let dark = dark_parts(world);
         let is_dark = |part: PartId| dark.binary_search_by_key(&part, |&(dark, _)| dark).is_ok();
@@ -228,13 +228,13 @@ impl Raycaster {
         Raycaster { frame, per_cell, shapes, fillings, polygons, dark }
     }
 
-    /// Distance in metres beyond which lasers have no echo from a part, infinite where it is not dark.
+    /// Returns the distance in metres beyond which lasers get no echo from a part; infinite where it is not dark.
     pub fn visible_range(&self, part: PartId) -> f64 {
         let found = self.dark.binary_search_by_key(&part, |&(dark, _)| dark);
         found.map_or(f64::INFINITY, |i| self.dark[i].1)
     }
 
-    /// Whether lasers have no echo from what a ray met, since it is too dark to be seen from there.
+    /// Returns whether lasers get no echo from what a ray met, because it is too dark to be seen from that distance.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec, raycast::Raycaster};
@@ -252,18 +252,18 @@ impl Raycaster {
         !self.dark.is_empty() && hit.distance > self.visible_range(hit.part)
     }
 
-    /// The first part that a ray meets within `max_range` metres; `None` when it meets none, and for a
-    /// negative range, a position that is not finite, or NaN. `heading` is in radians.
+    /// Returns the first part that a ray meets within `max_range` metres, or `None`; also `None` for a negative
+    /// range, a position that is not finite, or NaN. `heading` is in radians.
     pub fn cast(&self, from: DVec2, heading: f64, max_range: f64) -> Option<Hit> {
         self.cast_along(from, unit_vector(heading), max_range)
     }
 
-    /// As [`Raycaster::cast`], in the direction of a unit vector.
+    /// Like [`Raycaster::cast`], but in the direction of a unit vector.
     pub fn cast_along(&self, from: DVec2, direction: DVec2, max_range: f64) -> Option<Hit> {
         self.first_met(from, direction, max_range).map(|(hit, _)| hit)
     }
 
-    /// As [`Raycaster::cast_along`], with the normal of the surface that the ray meets.
+    /// Like [`Raycaster::cast_along`], but returns also the normal of the surface that the ray meets.
     ///
     /// ```
     /// use envgen::glam::DVec2;
@@ -285,7 +285,7 @@ impl Raycaster {
         self.eye(from).cast_surface(direction, max_range)
     }
 
-    /// A point from which many rays go out.
+    /// Prepares casting many rays from one point.
     pub(crate) fn eye(&self, from: DVec2) -> Eye<'_> {
         let GridFrame { origin, cols, rows, .. } = self.frame;
         let is_inside = from.cmpgt(origin).all() && from.cmplt(self.frame.corner(cols, rows)).all();
@@ -296,7 +296,7 @@ impl Raycaster {
         Eye { rays: self, from, inside }
     }
 
-    /// The first surface that a ray meets, from what it meets.
+    /// Returns the first surface that a ray meets, from the part and outline that it meets.
     #[inline]
     fn surface(
         from: DVec2,
@@ -312,14 +312,14 @@ impl Raycaster {
         SurfaceHit { hit, normal }
     }
 
-    /// The column and row of the cell around a point of the grid.
+    /// Returns the column and row of the cell that contains a point of the grid.
     #[inline]
     fn cell_around(&self, p: DVec2) -> (usize, usize) {
         let cell = (p - self.frame.origin) * self.per_cell;
         ((cell.x as usize).min(self.frame.cols - 1), (cell.y as usize).min(self.frame.rows - 1))
     }
 
-    /// The first part that a ray meets, and its outline; none for a filled polygon that the ray starts in.
+    /// Returns the first part that a ray meets, with its outline unless the ray starts in a filled polygon.
     #[inline]
     fn first_met(
         &self,
@@ -345,7 +345,7 @@ impl Raycaster {
         self.first_met_from(from, (col, row), direction, max_range)
     }
 
-    /// As [`Raycaster::first_met`], from the cell in which a ray enters the grid, or begins.
+    /// Like [`Raycaster::first_met`], but from the cell in which a ray enters the grid, or begins.
     #[inline]
     fn first_met_from(
         &self,
@@ -362,7 +362,7 @@ impl Raycaster {
         }
     }
 
-    /// From cell to cell. A ray along an axis is `AXIAL`: distances to lines along it are infinite or NaN.
+    /// Follows a ray from cell to cell. `AXIAL`: it is along an axis, and distances to lines along it infinite or NaN.
     #[inline]
     fn traverse<const AXIAL: bool>(
         &self,
@@ -414,16 +414,15 @@ impl Raycaster {
         }
     }
 
-    /// A whole scan: the ranges of all rays of `fan` from a pose, in metres, `max_range` where a
-    /// ray meets nothing. `ranges` is overwritten. Ranges are those of the geometry: dark parts are
-    /// met at any distance.
+    /// Writes the ranges of all rays of `fan` from a pose into `ranges`, in metres, with `max_range` where a ray
+    /// meets nothing. Ranges are purely geometric: dark parts are met at any distance.
     pub fn scan(&self, pose: Pose, fan: &ScanPattern, max_range: f64, ranges: &mut Vec<f64>) {
         ranges.clear();
         let hits = self.hits(pose, fan, max_range);
         ranges.extend(hits.map(|hit| hit.map_or(max_range, |hit| hit.distance)));
     }
 
-    /// What each ray of `fan` from a pose meets within `max_range` metres.
+    /// Returns the first part that each ray of `fan` from a pose meets within `max_range` metres.
     ///
     /// ```
     /// use envgen::raycast::{Raycaster, ScanPattern};
@@ -451,7 +450,7 @@ impl Raycaster {
             .map(move |&direction| eye.cast_along(heading.rotate(direction), max_range))
     }
 
-    /// The polygon that a point lies in.
+    /// Returns the filled polygon that contains a point.
     fn filling(&self, cell: usize, p: DVec2) -> Option<PartId> {
         let polygons = self.fillings.of(cell).iter().map(|&i| &self.polygons[i as usize]);
         let inside = |(_, vertices): &&(PartId, Vec<DVec2>)| polygon_contains(vertices, p);
@@ -459,11 +458,11 @@ impl Raycaster {
     }
 }
 
-/// A point from which many rays go out: what is the same for all of them is looked up once.
+/// A point from which many rays are cast. What is the same for all of them is looked up once.
 pub(crate) struct Eye<'a> {
     rays: &'a Raycaster,
     from: DVec2,
-    /// The cell around it, and the polygon that it lies in; none outside the grid and on its border.
+    /// The cell that contains the point, and the polygon that does; `None` outside the grid and on its border.
     inside: Option<((usize, usize), Option<PartId>)>,
 }
 
@@ -492,20 +491,20 @@ impl<'a> Eye<'a> {
     }
 }
 
-/// The parts that lasers see only from near, and from how near, in order.
+/// Returns the parts with a limited visible range, with that range, in order.
 fn dark_parts(world: &World) -> Vec<(PartId, f64)> {
     world.solids().filter_map(|solid| Some((solid.id, world.visible_range(solid.id)?))).collect()
 }
 
-/// Steps to the next cell along an axis; false at the grid's end.
+/// Steps to the next cell along an axis; returns false at the grid's end.
 fn shift(cell: &mut usize, forward: bool, len: usize) -> bool {
     let next = if forward { *cell + 1 } else { cell.wrapping_sub(1) };
     *cell = next;
     next < len
 }
 
-/// The cells around a filled polygon's bounding box. A superfluous listing costs time only where a
-/// ray starts.
+/// Visits the cells around a filled polygon's bounding box. A superfluous cell costs time only where a ray starts
+/// in it.
 fn filled_runs(vertices: &[DVec2], frame: &GridFrame, visit: &mut dyn FnMut(usize, usize, usize)) {
     let Some(bounds) = Rect::around(vertices.iter().copied()) else { return };
     let corners = Shape::from_rect(bounds).corners();
@@ -528,7 +527,7 @@ impl Listing {
 }
 
 impl Outline {
-    /// A unit normal at a point of the outline, on either side; `None` for an outline without length.
+    /// Returns a unit normal at a point of the outline, on either side; `None` for an outline without length.
     fn normal(&self, at: DVec2) -> Option<DVec2> {
         match *self {
             Outline::Side(_, edge) => edge.perp().try_normalize(),
@@ -541,7 +540,7 @@ impl Outline {
         }
     }
 
-    /// Distance along a ray, 0 inside; `None` when the ray misses.
+    /// Returns the distance along a ray to the outline, 0 inside it; `None` if the ray misses it.
     #[inline]
     fn distance<const AXIAL: bool>(
         &self,

@@ -11,49 +11,49 @@ use crate::provenance::Provenance;
 use crate::spec::{WorldBlueprint, WorldKind, WorldSpec};
 use crate::world::World;
 
-/// A spec is not generated again when it asks for more parts than this...
+/// A spec is not generated again if it asks for more parts than this...
 const MOST_WORK: f64 = 1e6;
 
-/// ...and for more than this many times the parts that the world has.
+/// ...plus this many times the number of parts that the world has.
 const MOST_WORK_A_PART: f64 = 1e3;
 
-/// Changes by hand that are made again at most.
+/// The greatest number of manual changes that are repeated.
 const MOST_EDITS: usize = 10_000;
 
-/// How a world compares with the one that its provenance gives.
+/// The result of comparing a world with the one that its provenance gives.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reproduction {
-    /// Its spec and seed, and the changes by hand of a plan, give this world to the last bit, from this blueprint.
+    /// The spec and seed, with the manual changes of a plan, give this world to the last bit, from this blueprint.
     Same(Box<WorldBlueprint>),
-    /// Its spec and seed give another world.
+    /// The spec and seed give another world.
     Different,
-    /// Its spec and seed give this world, with another certificate.
+    /// The spec and seed give this world, but with another certificate.
     OtherCertificate,
-    /// Its spec and seed give no world; the text says why.
+    /// The spec and seed give no world; the text is the reason.
     NoWorld(String),
-    /// Its spec asks for so much more than the world holds that it was not generated.
+    /// The spec asks for so much more than the world holds that it was not generated.
     TooLarge {
-        /// Parts that the spec asks for.
+        /// Number of parts that the spec asks for.
         work: f64,
-        /// Parts that the world holds.
+        /// Number of parts that the world holds.
         parts: u64,
     },
-    /// It has another value version, and was not compared.
+    /// The world has another value version and was not compared.
     OtherVersion {
         /// The value version of the world.
         made_by: u32,
         /// The value version of this crate.
         makes: u32,
     },
-    /// It is marked as edited, does not say how, and was not compared.
+    /// The world is marked as edited without a list of its edits, and was not compared.
     Edited,
-    /// It has no spec and seed: it was imported or put together by hand.
+    /// The world has no spec and seed, because it was imported or built by hand.
     NoSpec,
 }
 
 impl Reproduction {
-    /// Whether nothing speaks against the world's provenance.
+    /// Returns whether the result does not contradict the world's provenance.
     pub fn is_credible(&self) -> bool {
         match self {
             Reproduction::Same(_)
@@ -105,9 +105,10 @@ impl fmt::Display for Reproduction {
     }
 }
 
-/// Generates a world again from the spec and the seed in its provenance, and compares the two by
-/// their [digests](World::digest) and, unless it was edited, their certificates. Whatever the provenance claims, the cost is at most a fixed amount
-/// and a fixed multiple of the world's size.
+/// Generates a world again from the spec and the seed in its provenance, and compares the two.
+///
+/// The [digests](World::digest) are compared, and the certificates unless the world was edited. Whatever the
+/// provenance claims, the cost is bounded by a fixed amount plus a fixed multiple of the world's size.
 ///
 /// ```
 /// use envgen::reproduction::{Reproduction, reproduce};
@@ -167,10 +168,10 @@ fn compare(world: &World, blueprint: WorldBlueprint) -> Reproduction {
     Reproduction::Same(Box::new(blueprint))
 }
 
-/// A plan with the changes by hand of a [`Provenance`]; what has none stays as it is.
+/// Returns a plan with the manual changes of a [`Provenance`]; a plan without changes is returned unchanged.
 ///
 /// # Errors
-/// Edits of another kind than indoor maps, too many, or one that cannot be made.
+/// When a plan of another kind than indoor maps has edits, when there are too many, or when one cannot be made.
 pub fn edited(blueprint: WorldBlueprint, edits: &[Value]) -> Result<WorldBlueprint, String> {
     let plan = match blueprint {
         _ if edits.is_empty() => return Ok(blueprint),
@@ -194,7 +195,7 @@ fn spec(provenance: &Provenance) -> Result<WorldSpec, String> {
     Ok(spec)
 }
 
-/// Whether the world's raster has the rows and columns that a spec asks for.
+/// Whether the world's raster has the numbers of rows and columns that a spec asks for.
 fn has_size(world: &World, spec: &LandscapeSpec) -> bool {
     world.raster.as_ref().is_some_and(|raster| {
         u64::from(raster.rows) == spec.rows && u64::from(raster.cols) == spec.cols

@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SpecError;
 
-/// Name and version of the algorithm behind every [`Stream`], as a world's provenance records it.
+/// Name and version of the algorithm of every [`Stream`], as recorded in a world's provenance.
 pub const STREAM_ALGORITHM: &str = "chacha8-v1";
 
-/// The number from which everything random in a world follows. Seed 0 is a seed like any other.
+/// The number that determines everything random in a world. Seed 0 is a seed like any other.
 ///
 /// ```
 /// use envgen::{Seed, Spec, forest::ForestSpec};
@@ -30,10 +30,10 @@ pub const STREAM_ALGORITHM: &str = "chacha8-v1";
 pub struct Seed(pub u64);
 
 impl Seed {
-    /// The stream of one stage of a generator, for instance `("forest/tile", 12)`.
+    /// Returns the random stream of one stage of a generator, for instance `("forest/tile", 12)`.
     ///
-    /// Streams of different seeds, stages or indices are independent, so that a stage added to a
-    /// generator, or another order of the stages, changes nothing in the others.
+    /// Streams of different seeds, stages or indices are independent. A stage that is added to a generator, or
+    /// another order of the stages, therefore changes nothing in the other stages.
     ///
     /// ```
     /// use envgen::Seed;
@@ -49,7 +49,7 @@ impl Seed {
         self.attempt(stage, index, 0)
     }
 
-    /// The stream of a retry: attempt 0 is [`Seed::stream`] itself.
+    /// Returns the stream of a retry. Attempt 0 is [`Seed::stream`] itself.
     ///
     /// ```
     /// use envgen::Seed;
@@ -69,12 +69,12 @@ impl Seed {
         Stream { rng: ChaCha8Rng::from_seed(key) }
     }
 
-    /// The `n`-th seed after this one, wrapping at the end of the range.
+    /// Returns the `n`-th seed after this one, wrapping around at the end of the range.
     pub fn offset(self, n: u64) -> Seed {
         Seed(self.0.wrapping_add(n))
     }
 
-    /// The `n`-th seed after this one; `None` past the greatest.
+    /// Returns the `n`-th seed after this one; `None` if it exceeds the greatest seed.
     ///
     /// ```
     /// use envgen::Seed;
@@ -109,7 +109,7 @@ impl FromStr for Seed {
     }
 }
 
-/// FNV-1a, 64 bits: stage names are few and fixed, so a short published hash is enough.
+/// The FNV-1a hash with 64 bits. Stage names are few and fixed, so a short published hash is enough.
 const fn stage_hash(stage: &str) -> u64 {
     let bytes = stage.as_bytes();
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
@@ -121,13 +121,13 @@ const fn stage_hash(stage: &str) -> u64 {
     hash
 }
 
-/// A stream of random numbers: ChaCha8 under a key made of seed, stage, index and attempt.
+/// A stream of random numbers: ChaCha8 with a key made of seed, stage, index and attempt.
 ///
-/// The draws that the generators use are defined here, bit for bit, so that no release of another
-/// crate can change a world. Continuous laws are in [`crate::distribution`].
+/// The draws that the generators use are defined here, bit for bit, so that no release of another crate can change
+/// a world. Continuous distributions are in [`crate::distribution`].
 ///
-/// It is also a [`rand_core`] generator, so that the methods of `rand`'s extension traits and the
-/// distributions of other crates, such as `rand_distr`, work on it:
+/// A stream also implements the generator traits of [`rand_core`], so that the methods of `rand`'s extension traits
+/// and the distributions of other crates, such as `rand_distr`, can be used with it:
 ///
 /// ```
 /// use envgen::Seed;
@@ -153,19 +153,19 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// The next 64 random bits.
+    /// Draws 64 random bits.
     #[inline]
     pub fn bits(&mut self) -> u64 {
         self.rng.next_u64()
     }
 
-    /// Uniform in [0, 1): a multiple of 2^-53.
+    /// Draws a uniform number in [0, 1): a multiple of 2^-53.
     #[inline]
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 * (1.0 / (1_u64 << 53) as f64)
     }
 
-    /// Uniform in [`low`, `high`), or `low` when the two are equal.
+    /// Draws a uniform number in [`low`, `high`), or returns `low` when the two are equal.
     ///
     /// ```
     /// use envgen::Seed;
@@ -186,13 +186,13 @@ impl Stream {
         low + (high - low) * self.unit()
     }
 
-    /// True with probability `p`: never for `p` <= 0 or NaN, always for `p` >= 1.
+    /// Returns true with probability `p`: never for `p` <= 0 or NaN, always for `p` >= 1.
     #[inline]
     pub fn chance(&mut self, p: f64) -> bool {
         self.unit() < p
     }
 
-    /// Uniform in 0..`n`, without bias (Lemire, Fast Random Integer Generation in an Interval,
+    /// Draws a uniform whole number in 0..`n`, without bias (Lemire, Fast Random Integer Generation in an Interval,
     /// ACM TOMACS 29, 2019).
     ///
     /// ```
@@ -207,7 +207,7 @@ impl Stream {
     /// ```
     ///
     /// # Panics
-    /// When `n` is 0: there is nothing to draw from.
+    /// When `n` is 0, because there is nothing to draw from.
     #[inline]
     #[track_caller]
     pub fn below(&mut self, n: u64) -> u64 {
@@ -222,7 +222,7 @@ impl Stream {
         (wide >> 64) as u64
     }
 
-    /// The index of a weight, drawn in proportion to it; `None` when no weight is positive.
+    /// Draws the index of a weight with a probability proportional to the weight; `None` if no weight is positive.
     ///
     /// ```
     /// use envgen::Seed;
@@ -255,7 +255,7 @@ impl Stream {
         last
     }
 
-    /// Puts a slice into uniformly random order (Fisher-Yates, from the end).
+    /// Shuffles a slice into uniformly random order (Fisher-Yates, from the end).
     ///
     /// ```
     /// use envgen::Seed;

@@ -1,9 +1,9 @@
-//! The settings of a spec: names, units, limits, and how a text sets one.
+//! The settings of a spec: their names, units and limits, and how they are read from text.
 //!
-//! A spec is a flat struct of numbers, flags, choices and lists, which [`settings!`](crate::settings!)
-//! declares: documentation, type, default, unit and limits of a setting are written once. The table
-//! of its [`Setting`]s is what `envgen kinds` prints, what the specs' `validate` reads its limits from,
-//! and what a panel needs to offer every setting with its range.
+//! A spec is a flat struct of numbers, flags, choices and lists, declared with [`settings!`](crate::settings!), so
+//! that documentation, type, default, unit and limits of a setting are written only once. The table of its
+//! [`Setting`]s is printed by `envgen kinds`, holds the limits that a spec's `validate` checks, and lets a user
+//! interface offer every setting with its range.
 
 mod text;
 
@@ -17,35 +17,35 @@ use crate::error::SpecError;
 /// One setting of a spec.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Name, as in RON files and after `--set`.
+    /// The name, as in RON files and after `--set`.
     pub name: &'static str,
-    /// A former name, which is understood as well.
+    /// A former name, which is accepted as well.
     pub alias: Option<&'static str>,
-    /// Unit of the value, empty when it has none.
+    /// Unit of the value; empty if it has none.
     pub unit: &'static str,
-    /// The values that are allowed.
+    /// The allowed values.
     pub allowed: Allowed,
     /// Whether it can be `none`.
     pub optional: bool,
-    /// What the setting does, without the last full stop.
+    /// What the setting does, without a full stop at the end.
     pub help: &'static str,
-    /// An example of a value, as after `--set name=`, where the form is not obvious.
+    /// An example of a value, as after `--set name=`, if the form is not obvious.
     pub example: Option<&'static str>,
-    /// The group that it is listed in: see [`groups`]. None for the settings that people change first.
+    /// The group in which it is listed: see [`groups`]. `None` for the settings that users change first.
     pub group: Option<&'static str>,
 }
 
-/// The values that a setting can take.
+/// The values that a setting can have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Allowed {
-    /// A whole number, limits included.
+    /// A whole number within limits, both included.
     Integer {
         /// Least value.
         min: u64,
         /// Greatest value.
         max: u64,
     },
-    /// A finite number, limits included.
+    /// A finite number within limits, both included.
     Number {
         /// Least value.
         min: f64,
@@ -56,8 +56,8 @@ pub enum Allowed {
     Choice(&'static [&'static str]),
     /// `true` or `false`.
     Flag,
-    /// A list, separated by commas on the command line, with or without brackets around it; an item
-    /// with a comma is in double quotes, as in JSON. The text names its items.
+    /// A list, separated by commas on the command line, with or without brackets around it. An item that contains a
+    /// comma is in double quotes, as in JSON. The text names the items.
     List(&'static str),
     /// Another form, which the text describes.
     Other(&'static str),
@@ -87,12 +87,12 @@ impl Setting {
         Setting { name, alias, unit, allowed, optional, help, example, group }
     }
 
-    /// A whole number from `min` to `max`.
+    /// Creates a setting for a whole number from `min` to `max`.
     pub const fn integer(name: &'static str, min: u64, max: u64, help: &'static str) -> Self {
         Self::new(name, "", Allowed::Integer { min, max }, help)
     }
 
-    /// A finite number from `min` to `max`.
+    /// Creates a setting for a finite number from `min` to `max`.
     pub const fn number(
         name: &'static str,
         unit: &'static str,
@@ -103,7 +103,7 @@ impl Setting {
         Self::new(name, unit, Allowed::Number { min, max }, help)
     }
 
-    /// One of several names.
+    /// Creates a setting for one of several names.
     pub const fn choice(
         name: &'static str,
         names: &'static [&'static str],
@@ -112,12 +112,12 @@ impl Setting {
         Self::new(name, "", Allowed::Choice(names), help)
     }
 
-    /// True or false.
+    /// Creates a setting for `true` or `false`.
     pub const fn flag(name: &'static str, help: &'static str) -> Self {
         Self::new(name, "", Allowed::Flag, help)
     }
 
-    /// A list; `of` names its items.
+    /// Creates a setting for a list; `of` names its items.
     pub const fn list(
         name: &'static str,
         unit: &'static str,
@@ -127,7 +127,7 @@ impl Setting {
         Self::new(name, unit, Allowed::List(of), help)
     }
 
-    /// A value of another form, which `form` describes.
+    /// Creates a setting for a value of another form, which `form` describes.
     pub const fn other(
         name: &'static str,
         unit: &'static str,
@@ -137,48 +137,48 @@ impl Setting {
         Self::new(name, unit, Allowed::Other(form), help)
     }
 
-    /// The setting with a former name.
+    /// Adds a former name to the setting.
     pub const fn also_called(self, alias: &'static str) -> Self {
         Setting { alias: Some(alias), ..self }
     }
 
-    /// The setting with a unit.
+    /// Sets the unit of the setting.
     pub const fn of_unit(self, unit: &'static str) -> Self {
         Setting { unit, ..self }
     }
 
-    /// The setting, which can also be `none`.
+    /// Allows the value `none` for the setting.
     pub const fn or_none(self) -> Self {
         Setting { optional: true, ..self }
     }
 
-    /// The setting with an example of its values.
+    /// Adds an example of a value to the setting.
     pub const fn such_as(self, example: &'static str) -> Self {
         Setting { example: Some(example), ..self }
     }
 
-    /// The setting in a group.
+    /// Puts the setting into a group.
     pub const fn in_group(self, group: &'static str) -> Self {
         Setting { group: Some(group), ..self }
     }
 
-    /// The values that are allowed, in words.
+    /// Returns the allowed values in words.
     pub fn allowed_text(&self) -> String {
         let or_none = if self.optional { ", or none" } else { "" };
         format!("{}{or_none}", self.allowed)
     }
 
-    /// The error for a value of this setting that is not allowed.
+    /// Returns the error for a value of this setting that is not allowed.
     pub fn error(&self, value: impl fmt::Display) -> SpecError {
         self.error_with(value, self.allowed_text())
     }
 
-    /// The error for a value that is within the limits but not allowed for another reason.
+    /// Returns the error for a value that is within the limits but is not allowed for another reason.
     pub fn error_with(&self, value: impl fmt::Display, allowed: impl Into<String>) -> SpecError {
         SpecError::new(self.name, value, allowed)
     }
 
-    /// Checks a number against the limits; NaN never passes.
+    /// Checks a number against the limits. NaN never passes.
     ///
     /// # Errors
     /// Names the setting, the value and the limits.
@@ -257,7 +257,7 @@ impl Setting {
         }
     }
 
-    /// The text that [`Setting::parse`] reads as the value.
+    /// Returns the text that [`Setting::parse`] reads as the value.
     pub fn text_of(&self, value: &Value) -> String {
         let is_flat = |items: &[Value]| !items.iter().any(|i| i.is_array() || i.is_object());
         match (value, self.allowed) {
@@ -271,9 +271,9 @@ impl Setting {
     }
 }
 
-/// A number that has limits.
+/// A number that can have limits.
 pub trait Limited {
-    /// Checks the number against the limits of a setting; absent numbers pass.
+    /// Checks the number against the limits of a setting. An absent number passes.
     ///
     /// # Errors
     /// Names the setting, the value and the limits.
@@ -304,7 +304,7 @@ impl<T: Limited> Limited for Option<T> {
     }
 }
 
-/// Settings by their groups: first those without one, then each group where its first setting is.
+/// Returns settings by group: first those without a group, then each group, in the order of their first settings.
 ///
 /// ```
 /// use envgen::settings::groups;
@@ -326,8 +326,7 @@ pub fn groups(settings: &'static [Setting]) -> Vec<(Option<&'static str>, Vec<&'
     groups
 }
 
-/// Settings with their groups, where each of them has the last group that begins before it; the empty name
-/// ends a group.
+/// Assigns each setting to the last group that begins before it, where the empty name ends a group.
 #[doc(hidden)]
 pub const fn grouped<const N: usize>(mut settings: [Setting; N]) -> [Setting; N] {
     let mut group: Option<&'static str> = None;
@@ -342,7 +341,7 @@ pub const fn grouped<const N: usize>(mut settings: [Setting; N]) -> [Setting; N]
     settings
 }
 
-/// The setting of a name; in constants an unknown name stops the compiler.
+/// Returns the setting with a name. In a constant, an unknown name is a compile error.
 ///
 /// # Panics
 /// When there is no such setting.
@@ -366,7 +365,7 @@ const fn equal(a: &[u8], b: &[u8]) -> bool {
     i == a.len() && i == b.len()
 }
 
-/// The text of a doc comment without the space before it and the full stop after it.
+/// Returns the text of a doc comment without surrounding spaces and without the full stop at its end.
 #[doc(hidden)]
 pub const fn sentence(doc: &'static str) -> &'static str {
     match doc.trim_ascii().as_bytes() {
@@ -378,12 +377,12 @@ pub const fn sentence(doc: &'static str) -> &'static str {
     }
 }
 
-/// Declares a struct of settings: fields with documentation, type, default, and form with unit and
-/// limits, each written once.
+/// Declares a struct of settings: fields with documentation, type, default, and a form with unit and limits, each
+/// written once.
 ///
-/// It becomes a struct that `serde` reads with defaults for absent fields and without unknown ones, with
-/// a [`Default`], the table `SETTINGS`, and `check_fields`, which checks every number. The calling crate
-/// depends on `serde` with its derives. Forms are
+/// The macro makes a struct that `serde` reads with defaults for absent fields and without unknown ones, with a
+/// [`Default`], the table `SETTINGS`, and `check_fields`, which checks every number. The calling crate must depend
+/// on `serde` with its derives. The forms are:
 ///
 /// - `number(unit, min..=max)` and `integer(unit, min..=max)`, also `optional_number` and
 ///   `optional_integer` for an `Option`;
@@ -391,9 +390,9 @@ pub const fn sentence(doc: &'static str) -> &'static str {
 /// - `nested` for another struct of settings, whose errors name `field.setting`;
 /// - `list(unit, items, example)`, `other(unit, form)` and `other(unit, form, example)`, with texts.
 ///
-/// `#[alias = "name"]` before a field names a former name of it, which is read as well. `#[group = "name"]` before a
-/// field begins a group of settings, which holds the fields up to the next `#[group]`; the empty name goes back to
-/// the settings without a group, those that people change first.
+/// `#[alias = "name"]` before a field gives it a former name, which is read as well. `#[group = "name"]` before a
+/// field begins a group of settings, which holds the fields up to the next `#[group]`. The empty name returns to
+/// the settings without a group, which are those that users change first.
 ///
 /// ```
 /// envgen::settings! {
@@ -446,7 +445,7 @@ macro_rules! settings {
         }
 
         impl $Spec {
-            /// Every setting, in order.
+            /// Every setting, in order of declaration.
             pub const SETTINGS: &'static [$crate::settings::Setting] =
                 &$crate::settings::grouped([$(
                     $crate::setting_form!(
@@ -458,7 +457,7 @@ macro_rules! settings {
                     )$(.also_called($alias))?$(.in_group($group))?,
                 )+]);
 
-            /// The setting of a name; in a constant an unknown name stops the compiler.
+            /// Returns the setting with a name. In a constant, an unknown name is a compile error.
             ///
             /// # Panics
             /// When there is no such setting.
@@ -466,7 +465,7 @@ macro_rules! settings {
                 $crate::settings::named(Self::SETTINGS, name)
             }
 
-            /// Every setting by its name, also those that files omit at their defaults.
+            /// Returns every setting by name, including those that files omit at their defaults.
             #[doc(hidden)]
             pub fn settings_json(&self) -> $crate::serde_json::Value {
                 let mut settings = $crate::serde_json::Map::new();
@@ -477,7 +476,7 @@ macro_rules! settings {
                 settings.into()
             }
 
-            /// Checks every number against its own limits.
+            /// Checks every number against the limits of its setting.
             ///
             /// # Errors
             /// Names the first setting that is not allowed, its value and its limits.
@@ -491,7 +490,7 @@ macro_rules! settings {
     };
 }
 
-/// What [`settings!`](crate::settings!) makes of a setting's form.
+/// The expansion of a setting's form in [`settings!`](crate::settings!).
 #[doc(hidden)]
 #[macro_export]
 macro_rules! setting_form {

@@ -1,4 +1,4 @@
-//! [`WorldSpec`]: any kind of spec, as a RON file holds it, and any kind of blueprint.
+//! [`WorldSpec`]: a spec of any kind, as a RON file holds it; and blueprints of any kind.
 
 use std::str::FromStr;
 
@@ -20,14 +20,14 @@ use crate::seed::Seed;
 use crate::settings::Setting;
 use crate::world::World;
 
-/// Why a spec could not be made from settings.
+/// The reasons why a spec could not be made from settings.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SettingsError {
     /// There is no such kind.
     #[error("unknown world kind `{name}`, expected one of {known}")]
     UnknownKind {
-        /// The name given.
+        /// The name that was given.
         name: String,
         /// The kinds that exist.
         known: String,
@@ -37,9 +37,9 @@ pub enum SettingsError {
     UnknownSetting {
         /// The kind.
         kind: WorldKind,
-        /// The name given.
+        /// The name that was given.
         name: String,
-        /// The setting whose name is like it.
+        /// The setting with the most similar name, if one is similar.
         nearest: Option<&'static str>,
         /// The settings that exist.
         known: String,
@@ -53,7 +53,7 @@ pub enum SettingsError {
 }
 
 impl SettingsError {
-    /// The error of a name that no setting of these tables has.
+    /// Returns the error for a name that no setting of these tables has.
     pub fn unknown_setting(kind: WorldKind, name: &str, tables: &[&'static [Setting]]) -> Self {
         let known: Vec<_> = tables.iter().copied().flatten().map(|setting| setting.name).collect();
         let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, name);
@@ -65,14 +65,14 @@ impl SettingsError {
     }
 }
 
-/// Names that are at least this much alike, of 1, may be meant for each other.
+/// Names with at least this similarity, from 0 to 1, are suggested for each other.
 const LIKE: f64 = 0.6;
 
 fn did_you_mean(name: Option<&str>) -> String {
     name.map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
 }
 
-/// Why no blueprint could be generated.
+/// The reasons why no blueprint could be generated.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GenerateError {
@@ -96,7 +96,7 @@ pub enum GenerateError {
     Road(RoadError),
 }
 
-/// An error of a kind about its spec is the same whichever kind it is.
+/// An error about a spec is the same for all kinds.
 macro_rules! generate_error_from {
     ($($error:ident => $variant:ident;)+) => {
         $(impl From<$error> for GenerateError {
@@ -129,28 +129,28 @@ macro_rules! of_kind {
 macro_rules! specs {
     ($($variant:ident, $name:literal, $spec:ty, $blueprint:ty;)+) => {
         impl WorldKind {
-            /// The settings of its specs.
+            /// Returns the settings of this kind's specs.
             pub fn settings(self) -> &'static [Setting] {
                 match self {
                     $(WorldKind::$variant => <$spec>::SETTINGS,)+
                 }
             }
 
-            /// Rules between several settings, one sentence per rule.
+            /// Returns the rules about several settings, one sentence per rule.
             pub fn rules(self) -> &'static [&'static str] {
                 match self {
                     $(WorldKind::$variant => <$spec>::RULES,)+
                 }
             }
 
-            /// The value version: it rises when a spec and a seed give other values.
+            /// Returns the value version, which rises when a spec and a seed give other values.
             pub fn value_version(self) -> u32 {
                 match self {
                     $(WorldKind::$variant => <$spec>::VALUE_VERSION,)+
                 }
             }
 
-            /// The spec with every setting at its default.
+            /// Returns the spec with every setting at its default.
             ///
             /// ```
             /// use envgen::{Seed, WorldKind};
@@ -173,8 +173,8 @@ macro_rules! specs {
             }
         }
 
-        /// A spec of any kind. In a RON file it is the kind's name with the settings that differ
-        /// from the default, such as `Hallway(segments: 80, p_st: 0.2)`.
+        /// A spec of any kind. In a RON file it is the name of the kind with the settings that differ from their
+        /// defaults, such as `Hallway(segments: 80, p_st: 0.2)`.
         ///
         /// ```
         /// use envgen::{Seed, WorldKind, WorldSpec};
@@ -192,21 +192,21 @@ macro_rules! specs {
         }
 
         impl WorldSpec {
-            /// Which kind it is.
+            /// Returns the kind.
             pub fn kind(&self) -> WorldKind {
                 match self {
                     $(WorldSpec::$variant(_) => WorldKind::$variant,)+
                 }
             }
 
-            /// Every setting as a JSON object, without the kind.
+            /// Returns every setting as a JSON object, without the kind.
             pub fn settings_json(&self) -> Value {
                 match self {
                     $(WorldSpec::$variant(spec) => spec.settings_json(),)+
                 }
             }
 
-            /// Checks every setting, and the settings together.
+            /// Checks every setting, and the rules about several settings.
             ///
             /// # Errors
             /// Names the first setting that is not allowed, its value and the allowed values.
@@ -216,14 +216,14 @@ macro_rules! specs {
                 }
             }
 
-            /// About how many parts, cells or points a blueprint has: the cost of generating it.
+            /// Estimates the cost of generating a blueprint: the approximate number of its parts, cells or points.
             pub fn work(&self) -> f64 {
                 match self {
                     $(WorldSpec::$variant(spec) => spec.work(),)+
                 }
             }
 
-            /// Generates a blueprint; the same spec and seed always give the same one.
+            /// Generates a blueprint. The same spec and seed always give the same one.
             ///
             /// # Errors
             /// When the spec is not valid, or when this seed has no blueprint that satisfies it.
@@ -236,7 +236,7 @@ macro_rules! specs {
             }
         }
 
-        /// A blueprint of any kind; serialises to the blueprint alone.
+        /// A blueprint of any kind. It serialises like the blueprint alone.
         #[derive(Clone, Debug, PartialEq, Serialize)]
         #[serde(untagged)]
         #[non_exhaustive]
@@ -244,7 +244,7 @@ macro_rules! specs {
             $(#[doc = of_kind!($variant, $name)] $variant($blueprint),)+
         }
 
-        /// The metrics of any kind; serialises to the metrics alone.
+        /// The metrics of a blueprint of any kind. They serialise like the metrics alone.
         #[derive(Clone, Debug, PartialEq, Serialize)]
         #[serde(untagged)]
         #[non_exhaustive]
@@ -300,7 +300,7 @@ impl FromStr for WorldKind {
 }
 
 impl WorldKind {
-    /// The setting of a name.
+    /// Returns the setting with a name.
     ///
     /// ```
     /// use envgen::WorldKind;
@@ -314,7 +314,7 @@ impl WorldKind {
     /// ```
     ///
     /// # Errors
-    /// Lists the settings that exist.
+    /// Returns an error that lists the settings that exist.
     pub fn setting(self, name: &str) -> Result<&'static Setting, SettingsError> {
         self.settings()
             .iter()
@@ -324,7 +324,7 @@ impl WorldKind {
 }
 
 impl WorldSpec {
-    /// Sets one setting from text, as `--set name=value` does. On an error the spec is unchanged.
+    /// Sets one setting from text, as `--set name=value` does. On an error, the spec is unchanged.
     ///
     /// ```
     /// use envgen::{WorldKind, WorldSpec, hallway::HallwaySpec};
@@ -338,8 +338,7 @@ impl WorldSpec {
     /// ```
     ///
     /// # Errors
-    /// When the setting does not exist (the error lists those that do) or the text is not one of
-    /// its values.
+    /// When the setting does not exist (the error lists those that do), or when the text is not one of its values.
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SettingsError> {
         let setting = self.kind().setting(name)?;
         let mut settings = self.settings_json();
@@ -351,13 +350,13 @@ impl WorldSpec {
     /// Reads a spec from RON.
     ///
     /// # Errors
-    /// Line and column of the mistake.
+    /// Names the line and column of the mistake.
     pub fn from_ron(text: &str) -> Result<Self, SettingsError> {
         ron_options().from_str(text).map_err(|error| SettingsError::Ron(Box::new(error)))
     }
 
-    /// Writes a spec as RON, with every setting; those of indoor materials, clutter and doorway widths only
-    /// where they are set.
+    /// Writes a spec as RON, with every setting. The settings of indoor materials, clutter and doorway widths are
+    /// written only if they are set.
     ///
     /// ```
     /// use envgen::{WorldSpec, road::RoadSpec};
@@ -373,10 +372,10 @@ impl WorldSpec {
         ron_options().to_string_pretty(self, config).unwrap_or_default()
     }
 
-    /// The spec that a generated world came from.
+    /// Returns the spec from which a generated world was made.
     ///
     /// # Errors
-    /// When the provenance names no kind of this crate, or settings that the kind does not have.
+    /// When the provenance names no kind of this crate, or has settings that the kind does not have.
     pub fn from_provenance(provenance: &Provenance) -> Result<Self, SettingsError> {
         let kind: WorldKind = provenance.kind.parse()?;
         kind.spec_from_json(provenance.spec.clone()).map_err(|error| {
@@ -386,7 +385,7 @@ impl WorldSpec {
     }
 }
 
-/// How specs are written in RON: `Hallway(segments: 80)`, without a second pair of parentheses.
+/// The options of RON for specs: `Hallway(segments: 80)`, without a second pair of parentheses.
 fn ron_options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)

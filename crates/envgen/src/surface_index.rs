@@ -1,4 +1,4 @@
-//! The ground under a robot: how a [`World`]'s surfaces change its speed and its odometry.
+//! Queries of the ground under a robot: how a [`World`]'s surfaces change its speed and its odometry.
 
 use glam::DVec2;
 
@@ -6,41 +6,41 @@ use crate::geometry::{Rect, Shape};
 use crate::grid::{Convex, GridIndex, index_area};
 use crate::world::{ClassRaster, Surface, SurfaceKind, World};
 
-/// More than rounding changes the place of an outline, in metres.
+/// An upper bound, in metres, of the rounding error of the position of an outline.
 const ROUNDING: f64 = 1e-6;
 
-/// A surface is listed in at most this many cells, on average.
+/// The most cells in which a surface is listed, on average.
 const MAX_LISTINGS: usize = 24;
 
-/// The ground at a point. Where surfaces overlap, the worst of each counts.
+/// The properties of the ground at a point. Where surfaces overlap, each property has its worst value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
-    /// Factor on a robot's greatest speed, 0 where it cannot drive.
+    /// Factor on a robot's greatest speed; 0 where it cannot drive.
     pub speed: f64,
     /// Factor on the variances of a robot's odometry.
     pub odometry_noise: f64,
-    /// How much too far wheels measure, as a fraction of the distance that was driven.
+    /// The fraction by which wheels measure distances too far.
     pub wheel_bias: f64,
-    /// Whether it is water, which a robot must not enter.
+    /// Whether the ground is water, which a robot must not enter.
     pub water: bool,
 }
 
 impl Ground {
-    /// A plain floor.
+    /// The ground of a plain floor.
     pub const PLAIN: Ground =
         Ground { speed: 1.0, odometry_noise: 1.0, wheel_bias: 0.0, water: false };
 
-    /// Whether robots cannot or must not enter it.
+    /// Returns whether robots cannot or must not enter the ground.
     pub fn is_barrier(self) -> bool {
         self.water || self.speed <= 0.0
     }
 
-    /// How far wheels roll, in metres, while a robot drives a distance.
+    /// Returns how far the wheels roll, in metres, while a robot drives `distance` metres.
     pub fn rolled(self, distance: f64) -> f64 {
         distance * (1.0 + self.wheel_bias)
     }
 
-    /// The ground where this and another overlap: the worst of each.
+    /// Returns the ground where this ground and another overlap: the worst value of each property.
     pub fn worst(self, other: Ground) -> Ground {
         Ground {
             speed: self.speed.min(other.speed),
@@ -72,19 +72,21 @@ impl From<&Surface> for Ground {
 pub struct SurfaceIndex {
     index: GridIndex,
     surfaces: Vec<Surface>,
-    /// A little more than the bounds of each surface, which are faster to look up than its outline.
+    /// The bounds of each surface, slightly enlarged, which are faster to test than its outline.
     bounds: Vec<Rect>,
-    /// Set where a landscape has too many surfaces to be listed.
+    /// The raster of a landscape; absent if its classes are among the surfaces.
     raster: Option<ClassRaster>,
 }
 
 impl SurfaceIndex {
-    /// Indexes the surfaces of a world that are not plain, and its raster unless its classes are among them.
+    /// Indexes the surfaces of a world that are not plain, and also its raster unless its classes are among the
+    /// surfaces.
     pub fn new(world: &World) -> Self {
         SurfaceIndex::of(world, |ground| ground != Ground::PLAIN)
     }
 
-    /// Indexes the surfaces of a world with some ground alone, and its raster unless its classes are among all surfaces.
+    /// Indexes only the surfaces of a world whose ground `is_listed`, and also its raster unless its classes are
+    /// among all surfaces.
     pub(crate) fn of(world: &World, is_listed: impl Fn(Ground) -> bool) -> Self {
         let is_listed = |surface: &&Surface| is_listed(Ground::from(*surface));
         let surfaces: Vec<Surface> = world.surfaces.iter().filter(is_listed).cloned().collect();
@@ -101,7 +103,7 @@ impl SurfaceIndex {
         SurfaceIndex { index, surfaces, bounds, raster }
     }
 
-    /// Whether a straight line touches a barrier, and how many surfaces and cells were looked at.
+    /// Returns whether a straight line touches a barrier, and how many surfaces and cells were examined.
     pub(crate) fn barrier_along(&self, a: DVec2, b: DVec2) -> (bool, usize) {
         let (line, mut meets, mut cost) = ([a, b], false, 0);
         self.index.frame.touched_runs(&Convex::Polygon(&line), |row, from, to| {
@@ -126,7 +128,7 @@ impl SurfaceIndex {
         (meets, cost)
     }
 
-    /// Whether the world has water.
+    /// Returns whether the world has water.
     pub fn has_water(&self) -> bool {
         self.surfaces.iter().any(|surface| surface.kind == SurfaceKind::Water)
     }
@@ -136,7 +138,7 @@ impl SurfaceIndex {
         self.surfaces.is_empty() && self.raster.is_none()
     }
 
-    /// The ground at a point, [`Ground::PLAIN`] where nothing else is known.
+    /// Returns the ground at a point; [`Ground::PLAIN`] if the world has no other ground there.
     pub fn at(&self, p: DVec2) -> Ground {
         let speed = self.raster.as_ref().and_then(|raster| raster.speed_at(p));
         let plain = Ground { speed: speed.unwrap_or(1.0), ..Ground::PLAIN };

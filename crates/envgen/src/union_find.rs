@@ -3,29 +3,29 @@
 /// Numbers in disjoint sets, joined by size with path halving (R. E. Tarjan and J. van Leeuwen, Worst-case
 /// analysis of set union algorithms, J. ACM 31, 1984): nearly constant time per operation.
 ///
-/// Which number represents a set depends on the order of the joins alone: generators that draw per set
-/// rely on it.
+/// Which number represents a set depends only on the order of the joins. Generators that draw once per set rely on
+/// this.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct UnionFind {
-    /// For each number the next one in the direction of its representative; for a representative the size of
-    /// its set, negative. Fewer than 2^31 numbers.
+    /// The link of each number: the next one towards its representative; or, for a representative, the negated size
+    /// of its set. There are fewer than 2^31 numbers.
     links: Vec<i32>,
 }
 
 impl UnionFind {
-    /// `n` sets of one number each.
+    /// Creates `n` sets of one number each.
     pub(crate) fn new(n: usize) -> Self {
         UnionFind { links: vec![-1; n] }
     }
 
-    /// Adds a set of one number, the next, and returns it.
+    /// Adds a set of one number, the next one, and returns the number.
     #[inline]
     pub(crate) fn push(&mut self) -> usize {
         self.links.push(-1);
         self.links.len() - 1
     }
 
-    /// The number that represents the set of `i`.
+    /// Returns the number that represents the set of `i`.
     #[inline]
     pub(crate) fn find(&mut self, mut i: usize) -> usize {
         loop {
@@ -64,8 +64,8 @@ impl UnionFind {
         true
     }
 
-    /// Joins two sets, given by the numbers that represent them, of which `kept` represents both from then
-    /// on: for those to whom this matters more than the bound on the time.
+    /// Joins two sets, given by their representatives; `kept` represents both afterwards. This is for callers to
+    /// whom the representative matters more than the bound on the time.
     #[inline]
     pub(crate) fn link(&mut self, kept: usize, gone: usize) {
         self.links[kept] += self.links[gone];

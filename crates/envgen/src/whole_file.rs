@@ -1,7 +1,7 @@
-//! Files that are written completely or not at all.
+//! Files that are written either completely or not at all.
 //!
-//! A file is written under a temporary name beside its path, and replaces the old file when it is
-//! complete. On systems that have files without a name (Linux), even a killed process leaves nothing.
+//! A file is written under a temporary name beside its path, and replaces the old file when it is complete. On
+//! systems that have files without a name (Linux), even a killed process leaves no file behind.
 //!
 //! ```
 //! use std::io::Write;
@@ -26,21 +26,21 @@ use tempfile::TempPath;
 
 use crate::located::{Locate, Located};
 
-/// Prefix of temporary names, whose length does not depend on the file's name.
+/// Prefix of temporary names. Their length does not depend on the file's name.
 const PREFIX: &str = ".envgen-";
 
-/// Random letters of a temporary name: two are never alike.
+/// Number of random letters of a temporary name, enough that no two names are alike.
 const RANDOM_LETTERS: usize = 16;
 
-/// The most symbolic links that are followed.
+/// The greatest number of symbolic links that are followed.
 const MAX_LINKS: usize = 40;
 
-/// A file that is being written. Dropped without [`WholeFile::commit`], it leaves nothing, and an old
-/// file stays as it was.
+/// A file that is being written. If it is dropped without [`WholeFile::commit`], it leaves no file behind, and an
+/// old file stays as it was.
 #[derive(Debug)]
 pub struct WholeFile {
     file: AtomicWriteFile,
-    /// The temporary name that the file has before it gets its own.
+    /// The temporary name under which the file is written.
     between: TempPath,
     /// The path as given.
     path: PathBuf,
@@ -49,7 +49,7 @@ pub struct WholeFile {
 }
 
 impl WholeFile {
-    /// Begins a file for a path. Where that is a link, the file that it leads to is written. An existing
+    /// Begins a file at a path. If the path is a symbolic link, the file to which it leads is written. An existing
     /// file keeps its mode and owner; a new one gets those of any new file.
     ///
     /// # Errors
@@ -86,10 +86,10 @@ impl WholeFile {
         Ok(WholeFile { file, between, path: path.to_owned(), target })
     }
 
-    /// Completes the file and puts it in place of the old one.
+    /// Completes the file and replaces the old one with it.
     ///
     /// # Errors
-    /// When the system reports an error; the old file then stays.
+    /// When the system reports an error. The old file then stays.
     pub fn commit(self) -> io::Result<()> {
         self.complete()?.place()
     }
@@ -111,7 +111,7 @@ impl Write for WholeFile {
     }
 }
 
-/// A complete file under a temporary name. Dropped, it leaves nothing.
+/// A complete file under a temporary name. If it is dropped, it leaves no file behind.
 struct Complete {
     between: TempPath,
     target: PathBuf,
@@ -131,11 +131,11 @@ impl Complete {
     }
 }
 
-/// Commits several files, none before all are complete.
+/// Commits several files. None is replaced before all are complete.
 ///
 /// # Errors
-/// The first file for which the system reports an error. Other files can have been replaced before
-/// only when the error comes from the final renaming.
+/// Names the first file for which the system reports an error. Other files can already have been replaced only if
+/// the error comes from the final renaming.
 pub fn commit_all(files: impl IntoIterator<Item = WholeFile>) -> Result<(), Located<io::Error>> {
     let complete = |file: WholeFile| {
         let path = file.path.clone();
@@ -148,7 +148,7 @@ pub fn commit_all(files: impl IntoIterator<Item = WholeFile>) -> Result<(), Loca
 /// Writes a whole file.
 ///
 /// # Errors
-/// As [`WholeFile::create`] and [`WholeFile::commit`], with the file's name.
+/// The errors of [`WholeFile::create`] and [`WholeFile::commit`], with the file's name.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Located<io::Error>> {
     let write = || {
         let mut file = WholeFile::create(path)?;
@@ -167,7 +167,7 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
     tempfile::Builder::new().prefix(PREFIX).tempfile_in(path).map(drop)
 }
 
-/// Whether two paths mean the same file, with links resolved; the file need not exist.
+/// Returns whether two paths lead to the same file, with links resolved. The file need not exist.
 pub fn is_same(a: &Path, b: &Path) -> bool {
     // Where the target does not exist yet, its folder and name decide.
     let place = |path: &Path| {
@@ -178,7 +178,7 @@ pub fn is_same(a: &Path, b: &Path) -> bool {
         || place(a).is_some_and(|place_of_a| Some(place_of_a) == place(b))
 }
 
-/// Refuses an output that is one of the input files.
+/// Returns an error if an output is one of the input files.
 ///
 /// # Errors
 /// Names the input file.
@@ -192,7 +192,7 @@ pub fn refuse_inputs<P: AsRef<Path>>(output: &Path, inputs: &[P]) -> Result<(), 
     }
 }
 
-/// A path with all links resolved, whether or not the target exists.
+/// Returns a path with all links resolved, whether or not the target exists.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {
@@ -211,7 +211,7 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// The metadata of an existing file that may be replaced.
+/// Returns the metadata of an existing file if it may be replaced.
 fn writable(target: &Path, there: fs::Metadata) -> io::Result<fs::Metadata> {
     if there.is_dir() {
         return Err(io::Error::new(ErrorKind::IsADirectory, "is a folder"));
@@ -227,7 +227,7 @@ fn writable(target: &Path, there: fs::Metadata) -> io::Result<fs::Metadata> {
     Ok(there)
 }
 
-/// Gives a file the owner of another, where the system allows it.
+/// Gives a file the owner of another file, where the system allows it.
 fn keep_owner(file: &File, there: &fs::Metadata) {
     #[cfg(unix)]
     {
