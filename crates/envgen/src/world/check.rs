@@ -1,4 +1,4 @@
-//! The invariants of a world.
+//! The invariants of a world, and the check of them.
 
 use glam::DVec2;
 use thiserror::Error;
@@ -8,30 +8,30 @@ use super::{MAX_WHEEL_BIAS, PartId, PartKind, World, is_visible_range};
 use crate::curve::Curve;
 use crate::geometry::{Pose, Rect, Shape, signed_area, wrap_angle};
 
-/// The greatest distance of anything in a world from the axes of its frame, in metres: room for every
-/// grid of the Earth, and near enough that coordinates are exact to a hundredth of a micrometre.
+/// The greatest distance of anything in a world from the axes of its frame, in metres. It leaves room for every
+/// grid of the Earth, and coordinates up to it are exact to a hundredth of a micrometre.
 pub const MAX_COORDINATE: f64 = 1e8;
 
-/// The most lanes of a road: files of roads hold several elements for each.
+/// The greatest number of lanes of a road. Files of roads contain several elements for each lane.
 pub const MAX_LANES: u32 = 64;
 
-/// Parts may reach this far beyond the bounds, in metres, which allows for rounding only.
+/// Parts may extend this far beyond the bounds, in metres, which allows only for rounding.
 const TOLERANCE: f64 = 1e-6;
 
-/// Consecutive pieces of a road join this well, in metres and radians.
+/// The greatest gap and the greatest bend between consecutive pieces of a road, in metres and radians.
 const JOINT: f64 = 1e-6;
 
-/// A piece of a road turns by no more than this, in radians.
+/// The greatest angle, in radians, by which a piece of a road turns.
 const MOST_TURNING: f64 = 1e3;
 
 /// An invariant that a world breaks.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Violation {
-    /// The bounds are not finite, or empty.
+    /// The bounds are not finite, or they are empty.
     #[error("the bounds {0:?} are not a finite rectangle")]
     Bounds(Rect),
-    /// A coordinate or length is beyond what worlds may extend to.
+    /// A coordinate or length exceeds the limits of worlds.
     #[error("`{field}` must be from -{MAX_COORDINATE:e} to {MAX_COORDINATE:e} m, got {value:e} m")]
     Extent {
         /// The field of the world.
@@ -45,7 +45,7 @@ pub enum Violation {
     /// A size of a part is not positive, or a factor is negative.
     #[error("{0} holds a size that is not positive")]
     Size(PartId),
-    /// A road has no lanes, or too many: files of roads describe each.
+    /// A road has no lanes, or too many; files of roads describe every lane.
     #[error("`lanes` of {part} must be from 1 to {MAX_LANES}, got {lanes}")]
     Lanes {
         /// The road strip.
@@ -58,20 +58,20 @@ pub enum Violation {
     Material {
         /// The part.
         part: PartId,
-        /// The field.
+        /// The field that holds the property.
         field: &'static str,
         /// Its value.
         value: f64,
         /// What is allowed.
         allowed: &'static str,
     },
-    /// A polygon is not simple, has under three corners or runs clockwise.
+    /// A polygon is not simple, has fewer than three corners, or runs clockwise.
     #[error("{0} is not a simple counter-clockwise polygon")]
     Polygon(PartId),
-    /// The pieces of a road do not join, or turn more often than can be computed exactly.
+    /// The pieces of a road do not join, or turn by more than can be computed exactly.
     #[error("the pieces of {0} do not join, or one turns by more than {MOST_TURNING} rad")]
     Pieces(PartId),
-    /// A part reaches over the bounds.
+    /// A part extends beyond the bounds.
     #[error("{0} reaches over the bounds")]
     OutOfBounds(PartId),
     /// A doorway names a room that does not exist.
@@ -79,44 +79,43 @@ pub enum Violation {
     UnknownRoom {
         /// The doorway.
         part: PartId,
-        /// The room it names.
+        /// The index of the room that does not exist.
         room: u32,
     },
-    /// The start, goal or a victim's pose is not finite or out of bounds.
+    /// The pose of the start, the goal or a victim is not finite, or it is out of bounds.
     #[error("the {0} pose is not finite or out of bounds")]
     Pose(&'static str),
     /// The start or goal pose lies inside a solid part.
     #[error("the {pose} pose lies inside {part}")]
     Blocked {
-        /// `start` or `goal`.
+        /// The name of the pose: `start` or `goal`.
         pose: &'static str,
         /// The part.
         part: PartId,
     },
-    /// A claim of the certificate holds a number that is not finite, a negative distance, or an
-    /// empty area.
+    /// A claim of the certificate contains a number that is not finite, a negative distance, or an empty area.
     #[error("claim {0} of the certificate has a non-finite or negative distance, or an empty area")]
     Claim(usize),
-    /// The class raster's sizes do not fit together.
+    /// The sizes of the class raster do not fit together.
     #[error(
         "the class raster has {cells} cells of {cell} m, which do not fit {rows} rows of {cols}"
     )]
     Raster {
-        /// Rows it claims.
+        /// Number of rows that it states.
         rows: u32,
-        /// Columns it claims.
+        /// Number of columns that it states.
         cols: u32,
-        /// Cells it holds.
+        /// Number of cells that it contains.
         cells: usize,
-        /// Side of a cell.
+        /// Side of a cell in metres.
         cell: f64,
     },
 }
 
 impl World {
-    /// Checks every invariant: finite numbers, coordinates of at most [`MAX_COORDINATE`], positive
-    /// sizes, simple counter-clockwise polygons, parts inside the bounds, doorways between rooms that
-    /// exist, start and goal in free space, claims about finite numbers, a whole raster.
+    /// Checks every invariant: numbers are finite, coordinates are at most [`MAX_COORDINATE`], sizes are positive,
+    /// polygons are simple and counter-clockwise, parts lie inside the bounds, doorways join rooms that exist,
+    /// start and goal are in free space, claims are about finite numbers, and the raster is complete.
     ///
     /// ```
     /// use envgen::world::{PartId, PartKind, Violation};
@@ -131,7 +130,7 @@ impl World {
     /// ```
     ///
     /// # Errors
-    /// The first invariant that does not hold.
+    /// Returns the first invariant that does not hold.
     pub fn check(&self) -> Result<(), Violation> {
         let b = self.bounds;
         if !(b.min.is_finite() && b.max.is_finite() && b.min.cmplt(b.max).all()) {
@@ -286,7 +285,8 @@ fn within(field: &str, point: DVec2) -> Result<(), Violation> {
     within_length(point.y, || format!("{field}.y"))
 }
 
-/// Numbers that are not finite have errors of their own.
+/// Checks a length against the greatest coordinate. Numbers that are not finite pass, because they have errors of
+/// their own.
 fn within_length(value: f64, field: impl Fn() -> String) -> Result<(), Violation> {
     if value.is_finite() && value.abs() > MAX_COORDINATE {
         return Err(Violation::Extent { field: field(), value });

@@ -1,4 +1,4 @@
-//! The promises of a world.
+//! The promises that generators make of worlds.
 
 use std::fmt;
 
@@ -13,52 +13,53 @@ use crate::geometry::Rect;
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Claim {
-    /// A disc of this radius can move from the start to the goal, off solids and off ground that no robot can enter.
+    /// A disc of this radius can move from the start to the goal without touching solids or ground that no robot
+    /// can enter.
     Connected {
         /// Radius of the disc in metres.
         radius: f64,
     },
-    /// No two trees' centres are nearer than this.
+    /// No two trees' centres are nearer to each other than this.
     TreeDistance {
         /// Least distance in metres.
         distance: f64,
-        /// Width and height of the area in metres where distances count across its joined sides.
+        /// Width and height in metres of the area, if distances count across its sides, which are joined.
         torus: Option<DVec2>,
     },
-    /// Whether a disc can cross an area from its west to its east side with its middle inside.
+    /// Whether a disc can cross an area from its west side to its east side while its centre stays inside the area.
     CrossesWestEast {
         /// The area.
         area: Rect,
         /// Radius of the disc in metres.
         radius: f64,
-        /// Whether it can.
+        /// Whether the disc can cross.
         crosses: bool,
-        /// Whether theory predicts a crossing for a wide forest of this density.
+        /// Whether theory predicts that a disc can cross a wide forest of this density.
         predicted: bool,
     },
-    /// No bend of a road is tighter than this.
+    /// No bend of a road has a smaller radius than this.
     BendRadius {
         /// Least radius in metres.
         radius: f64,
     },
-    /// From the start a disc of this radius can reach every room, or every part of a room that its
-    /// contents divide, and every piece of the hallways and open areas. Parts count where the disc
-    /// has a clearance of [`PLACE_MARGIN`](crate::certificate::PLACE_MARGIN) to spare.
+    /// From the start, a disc of this radius can reach every room (or every part of a room that its contents
+    /// divide) and every piece of the hallways and open areas. Only places count where the disc has a clearance of
+    /// [`PLACE_MARGIN`](crate::certificate::PLACE_MARGIN) to spare.
     EveryPlaceReachable {
         /// Radius of the disc in metres.
         radius: f64,
     },
-    /// No lintel over a doorway is lower than this, so that robots up to this height pass below.
+    /// No lintel over a doorway is lower than this, so that robots up to this height can pass below it.
     Headroom {
         /// Height in metres.
         height: f64,
     },
-    /// Trials are predicted to measure this difficulty.
+    /// Trials in the world are predicted to measure this difficulty.
     PredictedDifficulty {
         /// The prediction of the crate's calibration.
         prediction: Prediction,
     },
-    /// This doorway was added, and is open, so that some place can be reached.
+    /// This doorway was added, and left open, so that some place can be reached.
     AddedDoorway {
         /// Its index in [`World::doorways`](super::World::doorways).
         doorway: u32,

@@ -1,4 +1,4 @@
-//! A world's fingerprint.
+//! Digests that identify worlds by their content.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -8,12 +8,12 @@ use sha2::{Digest as _, Sha256};
 
 use super::World;
 
-/// SHA-256 of a value's canonical JSON: two worlds of equal digest are equal to the last bit.
+/// The SHA-256 digest of a value's canonical JSON. Two worlds with equal digests are equal to the last bit.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Digest([u8; 32]);
 
 impl Digest {
-    /// The digest of anything that can be written as JSON.
+    /// Computes the digest of any value that can be written as JSON.
     pub fn of<T: Serialize + ?Sized>(value: &T) -> Digest {
         let mut hash = io::BufWriter::with_capacity(1 << 16, Hash(Sha256::new()));
         let written = serde_json::to_writer(&mut hash, value);
@@ -26,7 +26,7 @@ impl Digest {
 }
 
 impl World {
-    /// The digest of everything but the provenance and the certificate: of the geometry alone.
+    /// Computes the digest of everything except the provenance and the certificate: of the geometry alone.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};

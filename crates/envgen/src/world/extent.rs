@@ -1,19 +1,19 @@
-//! A bottom and a top.
+//! Vertical extents of parts: a bottom and a top.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::SpecError;
 
-/// No part extends farther above or below the floor than this, in metres.
+/// The greatest distance of any part above or below the floor, in metres.
 pub const MAX_HEIGHT: f64 = 1000.0;
 
-/// No part is thinner than this, in metres.
+/// The least height of a part, in metres.
 pub const MIN_HEIGHT: f64 = 1e-3;
 
 /// The bottom and the top of a part, in metres above the floor.
 ///
-/// Each kind of part has an extent of its own. A part states one only where it differs, so that worlds
-/// of ordinary parts hold no heights:
+/// Each kind of part has a default extent. A part states an extent only if it differs from the default, so that
+/// worlds of ordinary parts contain no heights:
 ///
 /// ```
 /// use envgen::geometry::Shape;
@@ -35,7 +35,7 @@ pub struct Extent {
     top: f64,
 }
 
-/// An extent as files hold it, which may be wrong.
+/// An extent as it is read from a file, before it is checked.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct UncheckedExtent {
@@ -53,11 +53,11 @@ impl TryFrom<UncheckedExtent> for Extent {
 }
 
 impl Extent {
-    /// From a bottom to a top in metres above the floor, from -[`MAX_HEIGHT`] to [`MAX_HEIGHT`]; negative is
-    /// below the floor.
+    /// Creates an extent from a bottom and a top in metres above the floor, each from -[`MAX_HEIGHT`] to
+    /// [`MAX_HEIGHT`]; negative numbers are below the floor.
     ///
     /// # Errors
-    /// When one is out of this range or NaN, or the top is not [`MIN_HEIGHT`] above the bottom.
+    /// When one of them is out of this range or NaN, or when the top is not at least [`MIN_HEIGHT`] above the bottom.
     pub fn new(bottom: f64, top: f64) -> Result<Self, SpecError> {
         let heights = -MAX_HEIGHT..=MAX_HEIGHT;
         for (name, value) in [("bottom", bottom), ("top", top)] {
@@ -74,42 +74,43 @@ impl Extent {
         }
     }
 
-    /// From the floor to a height that is known to be allowed.
+    /// Creates an extent from the floor to a height that is known to be allowed.
     pub(super) const fn up_to(top: f64) -> Self {
         Extent { bottom: 0.0, top }
     }
 
-    /// From a bottom to a top that are known to be allowed.
+    /// Creates an extent from a bottom and a top that are known to be allowed.
     pub(crate) const fn between(bottom: f64, top: f64) -> Self {
         Extent { bottom, top }
     }
 
-    /// From the floor to a setting's height; `None` where the kind of part has this height anyway.
+    /// Returns the extent from the floor to the height of a setting; `None` if the kind of part has this height by
+    /// default.
     pub(crate) fn unless_usual(usual: Extent, top: f64) -> Option<Self> {
         (usual.top != top).then_some(Extent { bottom: usual.bottom, top })
     }
 
-    /// The lower end in metres above the floor, negative below it.
+    /// Returns the bottom in metres above the floor, negative below it.
     pub fn bottom(self) -> f64 {
         self.bottom
     }
 
-    /// The upper end in metres above the floor.
+    /// Returns the top in metres above the floor, negative below it.
     pub fn top(self) -> f64 {
         self.top
     }
 
-    /// The distance between both in metres.
+    /// Returns the distance from bottom to top in metres.
     pub fn height(self) -> f64 {
         self.top - self.bottom
     }
 
-    /// Whether a height in metres is in it, its ends included.
+    /// Returns whether a height in metres lies in the extent, its ends included.
     pub fn contains(self, height: f64) -> bool {
         (self.bottom..=self.top).contains(&height)
     }
 
-    /// Whether both have more than an end in common.
+    /// Returns whether two extents have more than an end in common.
     pub fn overlaps(self, other: Extent) -> bool {
         self.bottom < other.top && other.bottom < self.top
     }

@@ -1,4 +1,4 @@
-//! How high parts are.
+//! Heights of parts: the default extents of every kind, and lintels over doorways.
 
 use glam::DVec2;
 
@@ -8,7 +8,7 @@ use super::{
 };
 use crate::geometry::{Shape, edges};
 
-/// The crown of a tree, which neither stops a robot nor a ray.
+/// The crown of a tree. It stops neither robots nor rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crown {
     /// Its bottom and top.
@@ -24,10 +24,10 @@ const BARE: f64 = 0.4;
 const CROWN: f64 = 0.25;
 
 impl WallKind {
-    /// The bottom and top of walls of this kind.
+    /// Returns the default bottom and top of walls of this kind.
     ///
-    /// Kerbs are 0.5 m high unless a road's `kerb_height` says otherwise, so that lasers see them: kerbs of
-    /// streets have 0.1 to 0.15 m.
+    /// Kerbs are 0.5 m high unless a road's `kerb_height` sets another height, so that lasers see them. Kerbs of
+    /// real streets are 0.1 to 0.15 m high.
     pub fn extent(self) -> Extent {
         match self {
             WallKind::Wall | WallKind::EndCap | WallKind::Alcove => WALL,
@@ -46,17 +46,17 @@ pub(crate) const DOORWAY: Extent = Extent::up_to(2.1);
 /// The kerbs of roads.
 pub(crate) const KERB: Extent = Extent::up_to(0.5);
 
-/// What a landscape's cells that cannot be passed are.
+/// The cells of a landscape that cannot be passed.
 pub(crate) const ROCK: Extent = Extent::up_to(1.0);
 
-/// Plain floor, as a slab.
+/// A plain floor, as a slab.
 pub(crate) const FLOOR: Extent = Extent::between(-0.1, 0.0);
 
-/// Roads: a little higher than the ground beside them.
+/// A road, slightly higher than the ground beside it.
 const ROAD: Extent = Extent::between(-0.1, 0.01);
 
 impl ObstacleKind {
-    /// The bottom and top of obstacles of this kind.
+    /// Returns the default bottom and top of obstacles of this kind.
     pub fn extent(self) -> Extent {
         match self {
             ObstacleKind::Screen => Extent::up_to(0.5),
@@ -77,7 +77,8 @@ impl ObstacleKind {
 }
 
 impl ObstacleKind {
-    /// The height of an obstacle of this kind in a building with walls of a height; `None` where it is the usual one.
+    /// Returns the extent of an obstacle of this kind in a building whose walls have a given height; `None` if it
+    /// is the default.
     pub(crate) fn height_beside_walls(self, wall_top: f64) -> Option<Extent> {
         let usual = self.extent();
         match self {
@@ -89,8 +90,8 @@ impl ObstacleKind {
 }
 
 impl SurfaceKind {
-    /// The bottom and top of ground of this kind. Water reaches below the floor and just over it; stairs
-    /// are as high as the walls.
+    /// Returns the default bottom and top of ground of this kind. Water extends below the floor and slightly above
+    /// it; stairs are as high as walls.
     pub fn extent(self) -> Extent {
         match self {
             SurfaceKind::Water => Extent::between(-0.5, 0.01),
@@ -104,60 +105,61 @@ impl SurfaceKind {
 }
 
 impl Wall {
-    /// Its bottom and top.
+    /// Returns the bottom and top of the wall.
     pub fn extent(&self) -> Extent {
         self.height.unwrap_or(self.kind.extent())
     }
 }
 
 impl Obstacle {
-    /// Its bottom and top.
+    /// Returns the bottom and top of the obstacle.
     pub fn extent(&self) -> Extent {
         self.height.unwrap_or(self.kind.extent())
     }
 }
 
 impl Surface {
-    /// Its bottom and top.
+    /// Returns the bottom and top of the ground.
     pub fn extent(&self) -> Extent {
         self.height.unwrap_or(self.kind.extent())
     }
 }
 
 impl Room {
-    /// Its floor and its ceiling.
+    /// Returns the heights of the room's floor and ceiling.
     pub fn extent(&self) -> Extent {
         self.height.unwrap_or(WALL)
     }
 }
 
 impl Doorway {
-    /// The bottom and top of the opening, and of the door that closes it.
+    /// Returns the bottom and top of the opening, and of the door that closes it.
     pub fn extent(&self) -> Extent {
         self.height.unwrap_or(DOORWAY)
     }
 }
 
 impl RoadStrip {
-    /// The bottom and top of the road.
+    /// Returns the bottom and top of the road.
     pub fn extent(&self) -> Extent {
         ROAD
     }
 }
 
 impl Tree {
-    /// Its bottom and top: 2.5 m and ten times the radius, at most 40 m, unless it states its own.
+    /// Returns the bottom and top of the tree. Unless the tree states its own, its height is 2.5 m plus ten times
+    /// the radius, at most 40 m.
     pub fn extent(&self) -> Extent {
         self.height.unwrap_or(Extent::up_to((2.5 + 10.0 * self.radius).min(40.0)))
     }
 
-    /// The bottom and top of what one sees of its trunk, which ends in the middle of the crown.
+    /// Returns the bottom and top of the visible part of the trunk, which ends in the middle of the crown.
     pub fn trunk(&self) -> Extent {
         let crown = self.crown().extent;
         Extent::between(self.extent().bottom(), 0.5 * (crown.bottom() + crown.top()))
     }
 
-    /// Its crown.
+    /// Returns the crown of the tree.
     pub fn crown(&self) -> Crown {
         let whole = self.extent();
         let bottom = whole.bottom() + BARE * whole.height();
@@ -167,8 +169,8 @@ impl Tree {
 }
 
 impl World {
-    /// The bottom and top of a part; `None` for parts that do not exist and for marks. A doorway's are those of its
-    /// opening, over which there may be a [lintel](World::lintels).
+    /// Returns the bottom and top of a part; `None` for marks and for parts that do not exist. For a doorway these
+    /// are the bottom and top of its opening; there can be a [lintel](World::lintels) over it.
     pub fn extent(&self, part: PartId) -> Option<Extent> {
         let index = part.index as usize;
         Some(match part.kind {
@@ -183,8 +185,8 @@ impl World {
         })
     }
 
-    /// The top in metres of the highest wall, which ceilings over hallways and open areas rest on; 2.6 without
-    /// walls. Partitions and kerbs are no walls here.
+    /// Returns the top of the highest wall in metres, on which the ceilings over hallways and open areas rest; 2.6
+    /// in a world without walls. Partitions and kerbs do not count.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -198,8 +200,9 @@ impl World {
         walls.map(|wall| wall.extent().top()).reduce(f64::max).unwrap_or(WALL.top())
     }
 
-    /// The bottom and top of the lintel over each doorway: from its opening to the top of the highest wall
-    /// that it touches. `None` where there is no wall, or none that is [`MIN_HEIGHT`] higher than the opening.
+    /// Returns the bottom and top of the lintel over each doorway: from the top of its opening to the top of the
+    /// highest wall that it touches. `None` where the doorway touches no wall, or none that is at least
+    /// [`MIN_HEIGHT`] higher than the opening.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
@@ -243,13 +246,13 @@ impl World {
     }
 }
 
-/// Doorways and walls that are this near touch, in metres.
+/// The greatest distance, in metres, between a doorway and a wall that touch.
 const TOUCHING: f64 = 1e-3;
 
-/// Of polygons with more pairs of sides than this only the bounds are compared.
+/// For polygons with more pairs of sides than this, only the bounds are compared.
 const MOST_PAIRS: usize = 1 << 16;
 
-/// Whether a doorway and a wall, whose bounds are within [`TOUCHING`] of each other, are so themselves.
+/// Whether a doorway and a wall touch. Their bounds are known to be within [`TOUCHING`] of each other.
 fn touch(doorway: &Shape, wall: &Shape) -> bool {
     let sides =
         |shape: &Shape| if let Shape::Polygon { vertices } = shape { vertices.len() } else { 4 };

@@ -1,4 +1,4 @@
-//! [`World`]: what every generator makes and everything else reads.
+//! [`World`]: the output of every generator, which everything else reads.
 
 mod check;
 mod claim;

@@ -1,4 +1,4 @@
-//! The data of a world: its parts, and the version of its layout in files.
+//! The data of a world: its parts, and the version of the file layout.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -8,15 +8,15 @@ use super::{
 use crate::geometry::{Pose, Rect};
 use crate::provenance::Provenance;
 
-/// Version of the world files' layout; a file of another version is refused.
+/// The version of the layout of world files. A file of another version is refused.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// A world in metres: typed parts, bounds, start and goal, and where it comes from.
+/// A world in metres: its parts by type, its bounds, start and goal, and its provenance.
 ///
-/// Frame: x right, y up, headings counter-clockwise from +x. A part's [`PartId`] is its list and
-/// its place in it, so that the same spec and seed give every part the same id.
+/// In the frame of a world, x points right, y points up, and headings are counter-clockwise from +x. A part's
+/// [`PartId`] is its list and its index in that list, so that the same spec and seed give every part the same id.
 ///
-/// Generators make worlds; one can also be put together by hand:
+/// Generators make worlds, but a world can also be built by hand:
 ///
 /// ```
 /// use envgen::geometry::{Pose, Rect, Shape};
@@ -38,13 +38,13 @@ pub const SCHEMA_VERSION: u32 = 1;
 #[serde(deny_unknown_fields)]
 pub struct World {
     schema: Schema,
-    /// What made the world.
+    /// The origin of the world: what made it, and from which settings.
     pub provenance: Provenance,
-    /// A rectangle around all parts, start and goal.
+    /// A rectangle that contains all parts, the start and the goal.
     pub bounds: Rect,
-    /// Where a robot starts; absent where the generator found no free place.
+    /// The pose in which a robot starts; absent if the generator found no free place.
     pub start: Option<Pose>,
-    /// Where the robot should go.
+    /// The pose that the robot should reach.
     pub goal: Option<Pose>,
     /// Walls, kerbs and partitions.
     pub walls: Vec<Wall>,
@@ -54,23 +54,23 @@ pub struct World {
     pub road_strips: Vec<RoadStrip>,
     /// Rooms.
     pub rooms: Vec<Room>,
-    /// Openings in walls, and their doors.
+    /// Doorways: openings in walls, with their doors.
     pub doorways: Vec<Doorway>,
     /// Solids that are not walls, trees or doors.
     pub obstacles: Vec<Obstacle>,
     /// Surfaces that change how a robot drives.
     pub surfaces: Vec<Surface>,
-    /// Poses of people to be found. They are marks on the floor, not solids.
+    /// Poses of victims: people that robots should find. They are marks on the floor, not solids.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub victims: Vec<Pose>,
-    /// A landscape's cells.
+    /// The cells of a landscape.
     pub raster: Option<ClassRaster>,
-    /// The promises that the generator makes of this world.
+    /// The promises that the generator makes of the world.
     pub certificate: Vec<Claim>,
 }
 
 impl World {
-    /// An empty world.
+    /// Creates a world without parts.
     ///
     /// ```
     /// use envgen::geometry::{Rect, Shape};
@@ -105,8 +105,8 @@ impl World {
         }
     }
 
-    /// Distance in metres beyond which a laser has no echo from a part; `None` where it sees the part
-    /// as far as it reaches, and for parts that do not exist.
+    /// Returns the distance in metres beyond which a laser gets no echo from a part; `None` for parts that it sees
+    /// at any range, and for parts that do not exist.
     pub fn visible_range(&self, part: PartId) -> Option<f64> {
         let index = part.index as usize;
         match part.kind {
@@ -117,7 +117,7 @@ impl World {
     }
 }
 
-/// The layout version, written first and checked on reading.
+/// The layout version, which is written first and checked on reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Schema;
 

@@ -9,29 +9,29 @@ use super::Extent;
 use crate::curve::Curve;
 use crate::geometry::{Pose, Shape};
 
-/// A wall.
+/// A wall of a building or corridor, or the kerb of a road.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
     /// What the wall is part of.
     pub kind: WallKind,
-    /// Its outline.
+    /// The wall's outline in the plane.
     pub shape: Shape,
-    /// As [`Obstacle::visible_range`].
+    /// The visible range, as in [`Obstacle::visible_range`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub visible_range: Option<f64>,
-    /// Its bottom and top where they are not those of its kind.
+    /// The bottom and top, if they differ from those of the kind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<Extent>,
 }
 
 impl Wall {
-    /// A wall that lasers see at any range.
+    /// Creates a wall that lasers see at any range.
     pub fn new(kind: WallKind, shape: Shape) -> Self {
         Wall { kind, shape, visible_range: None, height: None }
     }
 
-    /// Its longest side in metres.
+    /// Returns the wall's longest side in metres.
     ///
     /// ```
     /// use envgen::geometry::Shape;
@@ -51,7 +51,7 @@ impl Wall {
     }
 }
 
-/// What a wall is part of.
+/// The structure that a wall is part of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(
@@ -73,21 +73,21 @@ pub enum WallKind {
     Kerb,
 }
 
-/// A tree trunk.
+/// A tree, given by its trunk.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tree {
-    /// Middle of the trunk, in metres.
+    /// Centre of the trunk, in metres.
     pub center: DVec2,
-    /// Radius in metres.
+    /// Radius of the trunk in metres.
     pub radius: f64,
-    /// Its bottom and top where they do not follow from the radius.
+    /// The bottom and top, if they do not follow from the radius.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<Extent>,
 }
 
 impl Tree {
-    /// A tree whose height follows from its radius.
+    /// Creates a tree whose height follows from its radius.
     ///
     /// ```
     /// use envgen::glam::DVec2;
@@ -108,17 +108,17 @@ impl Tree {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoadStrip {
-    /// Points of the centreline, in travel order, the end included.
+    /// Points of the centreline, in the direction of travel, including the end.
     pub centreline: Vec<RoadPoint>,
-    /// The exact centreline, piece by piece; empty where only points of it are known, which
-    /// straight lines then join.
+    /// The exact centreline, piece by piece. Empty if only points of it are known; straight lines then join the
+    /// points.
     #[serde(default)]
     pub pieces: Vec<Curve>,
     /// Full width in metres.
     pub width: f64,
     /// Number of lanes side by side.
     pub lanes: u32,
-    /// Whether the last point joins the first.
+    /// Whether the last point is joined to the first.
     pub closed: bool,
 }
 
@@ -136,24 +136,24 @@ pub struct RoadPoint {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Room {
-    /// Name, not necessarily unique.
+    /// The name, which need not be unique.
     pub name: String,
-    /// The floor.
+    /// The outline of the floor.
     pub shape: Shape,
-    /// Difficulty on the scale from 0 to 10, where one is annotated.
+    /// The difficulty on the scale from 0 to 10, if one is annotated.
     pub difficulty: Option<f64>,
-    /// Whether there is light.
+    /// Whether the room is lit.
     pub lit: bool,
-    /// Whether the room still has the contents that its name and difficulty describe.
+    /// Whether the room still has the contents to which its name and difficulty refer.
     #[serde(default, skip_serializing_if = "Contents::is_as_designed")]
     pub contents: Contents,
-    /// Its floor and ceiling where the ceiling is not at the usual height.
+    /// The heights of its floor and ceiling, if the ceiling is not at the default height.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<Extent>,
 }
 
-/// What is left of a room's contents: a generator may remove some so that a robot can enter, or replace them, and
-/// a person may change them.
+/// The state of a room's contents. A generator may remove some so that a robot can enter, or replace them, and a
+/// user may edit them.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -164,26 +164,26 @@ pub struct Room {
     reflect(Clone, Debug, PartialEq, Hash, Serialize, Deserialize)
 )]
 pub enum Contents {
-    /// All of them.
+    /// All of the room's contents.
     #[default]
     AsDesigned,
-    /// All except those that blocked a doorway.
+    /// All contents except those that blocked a doorway.
     Cleared,
-    /// None.
+    /// No contents.
     Emptied,
-    /// A maze in place of them.
+    /// A maze in place of the contents.
     Maze,
-    /// Those that were added, moved or removed by hand.
+    /// Contents that were added, moved or removed by hand.
     Edited,
 }
 
 impl Contents {
-    /// Whether they are those that its name and difficulty describe.
+    /// Returns whether the contents are those to which the room's name and difficulty refer.
     pub fn is_as_designed(&self) -> bool {
         *self == Contents::AsDesigned
     }
 
-    /// The name, such as `cleared`.
+    /// Returns the name of the state, such as `cleared`.
     pub fn name(self) -> &'static str {
         match self {
             Contents::AsDesigned => "as designed",
@@ -195,24 +195,24 @@ impl Contents {
     }
 }
 
-/// An opening in a wall, with a door that may be closed.
+/// An opening in a wall, with a door that can be closed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Doorway {
-    /// The opening, as thick as the wall; a closed door fills it.
+    /// The opening, as thick as the wall. A closed door fills it.
     pub shape: Shape,
-    /// Whether a robot can pass.
+    /// Whether the door is open, so that a robot can pass.
     pub open: bool,
-    /// The indices in [`World::rooms`](crate::World::rooms) of the rooms that it joins; `None` is
-    /// a hallway or an open area.
+    /// The indices in [`World::rooms`](crate::World::rooms) of the rooms that the doorway joins; `None` for a
+    /// hallway or an open area.
     pub rooms: [Option<u32>; 2],
-    /// The bottom and top of the opening where it is not of the usual height.
+    /// The bottom and top of the opening, if it does not have the default height.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<Extent>,
 }
 
 impl Doorway {
-    /// A doorway of the usual height between two rooms, hallways or open areas.
+    /// Creates a doorway of default height between two rooms, hallways or open areas.
     pub fn new(shape: Shape, open: bool, rooms: [Option<u32>; 2]) -> Self {
         Doorway { shape, open, rooms, height: None }
     }
@@ -222,31 +222,31 @@ impl Doorway {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Obstacle {
-    /// What it is.
+    /// The kind of obstacle.
     pub kind: ObstacleKind,
-    /// Its outline.
+    /// The obstacle's outline in the plane.
     pub shape: Shape,
-    /// Distance in metres beyond which a laser has no echo from it, since it is too dark; absent where
-    /// lasers see it as far as they reach.
+    /// The distance in metres beyond which a laser gets no echo from the obstacle, because it is too dark; absent
+    /// if lasers see it at any range.
     ///
-    /// An echo's power falls with the square of the distance and is proportional to the reflectance,
-    /// so that the distance grows with the square root of it: what SICK's LMS 200 measures up to 10 m
-    /// at a reflectance of 10 % (data sheet) it measures up to 3 m at 0.9 %.
+    /// The power of an echo falls with the square of the distance and is proportional to the reflectance, so that
+    /// this distance grows with the square root of the reflectance. For example, SICK's LMS 200 measures up to 10 m
+    /// at a reflectance of 10 % (data sheet), and up to 3 m at 0.9 %.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub visible_range: Option<f64>,
-    /// Its bottom and top where they are not those of its kind.
+    /// The bottom and top, if they differ from those of the kind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<Extent>,
 }
 
 impl Obstacle {
-    /// An obstacle that lasers see at any range.
+    /// Creates an obstacle that lasers see at any range.
     pub fn new(kind: ObstacleKind, shape: Shape) -> Self {
         Obstacle { kind, shape, visible_range: None, height: None }
     }
 }
 
-/// What an obstacle is.
+/// The kind of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(
@@ -278,44 +278,44 @@ pub enum ObstacleKind {
     Pipe,
     /// A statue.
     Statue,
-    /// A wall of a cubicle that has come down.
+    /// A wall of a cubicle that has fallen over.
     Panel,
     /// A heap of rubble.
     Rubble,
-    /// A flight of stairs, which a robot cannot climb and a ray cannot pass.
+    /// A flight of stairs. A robot cannot climb it, and rays cannot pass it.
     Stairs,
     /// Anything else.
     Other,
 }
 
-/// Ground that changes how a robot drives.
+/// An area of ground that changes how a robot drives.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Surface {
-    /// What it is.
+    /// The kind of ground.
     pub kind: SurfaceKind,
-    /// The ground it covers.
+    /// The area that it covers.
     pub shape: Shape,
-    /// Factor on a robot's greatest speed, 1 for plain ground, 0 where it cannot drive.
+    /// Factor on a robot's greatest speed: 1 for plain ground, 0 where it cannot drive.
     pub speed: f64,
-    /// Factor on the variances of a robot's odometry, 1 for plain ground.
+    /// Factor on the variances of a robot's odometry: 1 for plain ground.
     pub odometry_noise: f64,
-    /// How much too far wheels measure, as a fraction of the distance that was driven: 0.2 where they
-    /// measure 1.2 m for each metre. Loose ground gives under them.
+    /// The fraction by which wheels measure distances too far because loose ground gives under them: 0.2 where they
+    /// measure 1.2 m for each metre that is driven.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub wheel_bias: f64,
-    /// Its bottom and top where they are not those of its kind.
+    /// The bottom and top, if they differ from those of the kind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height: Option<Extent>,
 }
 
 impl Surface {
-    /// Whether robots cannot or must not enter it: water, whatever its speed, and ground of speed 0.
+    /// Returns whether robots cannot or must not enter the ground: water, whatever its speed, and ground of speed 0.
     pub fn is_barrier(&self) -> bool {
         self.kind == SurfaceKind::Water || self.speed <= 0.0
     }
 
-    /// Ground on which robots drive as on a plain floor.
+    /// Creates ground on which robots drive as on a plain floor.
     ///
     /// ```
     /// use envgen::geometry::{Rect, Shape};
@@ -335,10 +335,10 @@ impl Surface {
     }
 }
 
-/// Wheels measure at most twice the distance that was driven.
+/// The greatest wheel bias: wheels then measure twice the distance that was driven.
 pub(crate) const MAX_WHEEL_BIAS: f64 = 1.0;
 
-/// Whether a part can have this visible range.
+/// Whether a value is allowed as the visible range of a part.
 pub(crate) fn is_visible_range(range: Option<f64>) -> bool {
     range.is_none_or(|range| range.is_finite() && range > 0.0)
 }
@@ -347,7 +347,7 @@ pub(crate) fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// What a surface is.
+/// The kind of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(
@@ -359,26 +359,26 @@ pub(crate) fn is_zero(value: &f64) -> bool {
 pub enum SurfaceKind {
     /// Uneven ground.
     Uneven,
-    /// Strewn with debris.
+    /// Ground strewn with debris.
     Debris,
     /// Water, which a robot must not enter.
     Water,
-    /// Stairs, which also block the view.
+    /// Stairs, which also stop rays.
     Stairs,
     /// The plain floor of a hallway.
     Hallway,
     /// The plain floor of an open area between rooms.
     OpenArea,
-    /// Wet, dusty or strewn with rubble: wheels slip by chance.
+    /// Ground that is wet, dusty or strewn with rubble, on which wheels slip at random.
     Slippery,
-    /// Gravel, sand or litter that gives under wheels: they measure too far.
+    /// Gravel, sand or litter that gives under wheels, so that they measure distances too far.
     Loose,
-    /// A class of a landscape, counted from 1.
+    /// A class of a landscape; classes are counted from 1.
     Class(u16),
 }
 
 impl SurfaceKind {
-    /// Whether it is the plain floor of a hallway or of an open area between rooms.
+    /// Returns whether the surface is the plain floor of a hallway or of an open area between rooms.
     pub fn is_hall(self) -> bool {
         matches!(self, SurfaceKind::Hallway | SurfaceKind::OpenArea)
     }

@@ -1,4 +1,4 @@
-//! The stable names of a world's parts.
+//! Stable identifiers of a world's parts.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use bevy_reflect::{Reflect, ReflectDeserialize, ReflectSerialize};
 use serde::{Deserialize, Serialize};
 use strum::IntoStaticStr;
 
-/// What a part is: which of the lists of [`World`](super::World) holds it, or which of its marks it is.
+/// The kind of a part: the list of [`World`](super::World) that contains it, or the mark that it is.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, IntoStaticStr,
 )]
@@ -37,25 +37,25 @@ pub enum PartKind {
     Start,
     /// The goal pose, which has no body.
     Goal,
-    /// A person to be found, a mark on the floor.
+    /// A victim: the pose of a person to be found, which is a mark on the floor.
     Victim,
-    /// Cells of the [raster](super::ClassRaster) of a landscape.
+    /// The cells of the [raster](super::ClassRaster) of a landscape.
     Ground,
 }
 
 impl PartKind {
-    /// The name of the kind, such as `road_strip`.
+    /// Returns the name of the kind, such as `road_strip`.
     pub fn name(self) -> &'static str {
         self.into()
     }
 
-    /// Whether parts of this kind always stop robots and rays. Doorways do where they are closed.
+    /// Returns whether parts of this kind always stop robots and rays. Doorways do so only where they are closed.
     pub fn is_solid(self) -> bool {
         matches!(self, PartKind::Wall | PartKind::Tree | PartKind::Obstacle)
     }
 }
 
-/// The stable name of a part: its kind and its index in the world's list of that kind.
+/// The stable identifier of a part: its kind, and its index in the world's list of that kind.
 ///
 /// ```
 /// use envgen::world::{PartId, PartKind};
@@ -65,9 +65,9 @@ impl PartKind {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct PartId {
-    /// The list.
+    /// The kind of the part, which names the list.
     pub kind: PartKind,
-    /// The index in the list, from 0.
+    /// The index in the list, counted from 0.
     pub index: u32,
 }
 

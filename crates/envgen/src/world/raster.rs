@@ -1,11 +1,11 @@
-//! A grid of classes that lies under a world.
+//! The grid of classes of a landscape.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::grid::GridFrame;
 
-/// A landscape's cells: square, row by row, the top row (greatest y) first.
+/// The cells of a landscape: square, row by row, with the top row (greatest y) first.
 ///
 /// ```
 /// use envgen::glam::DVec2;
@@ -36,39 +36,39 @@ pub struct ClassRaster {
     pub cols: u32,
     /// Side of a cell in metres.
     pub cell: f64,
-    /// Lower left corner in metres.
+    /// Lower left corner of the raster in metres.
     pub origin: DVec2,
-    /// Class of each cell, counted from 1; 0 is no data. Row by row from the top, `rows * cols`
-    /// of them.
+    /// The class of each cell, counted from 1, where 0 means no data. There are `rows * cols` cells, row by row
+    /// from the top.
     pub cells: Vec<u16>,
-    /// Factor on a robot's greatest speed by class, from class 0 (no data) on. A class beyond the list has 1, no data
-    /// without any 0.
+    /// Factor on a robot's greatest speed by class, beginning with class 0 (no data). A class beyond the end of the
+    /// list has factor 1; no data has factor 0 if the list is empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub speeds: Vec<f64>,
 }
 
 impl ClassRaster {
-    /// Where the cells lie. Its rows count from the lowest, those of [`ClassRaster::cells`] from the
+    /// Returns the frame of the cells. Its rows count from the lowest, those of [`ClassRaster::cells`] from the
     /// top.
     pub fn frame(&self) -> GridFrame {
         let (cols, rows) = (self.cols as usize, self.rows as usize);
         GridFrame { origin: self.origin, cell_size: self.cell, cols, rows }
     }
 
-    /// The class at a point; `None` outside the raster.
+    /// Returns the class at a point; `None` outside the raster.
     pub fn class_at(&self, p: DVec2) -> Option<u16> {
         let frame = self.frame();
         let (col, row) = frame.cell_at(p)?;
         self.cells.get(frame.index(col, frame.rows - 1 - row)).copied()
     }
 
-    /// The factor on a robot's greatest speed at a point, 0 where it cannot pass; `None` outside
-    /// the raster.
+    /// Returns the factor on a robot's greatest speed at a point, 0 where it cannot pass; `None` outside the
+    /// raster.
     pub fn speed_at(&self, p: DVec2) -> Option<f64> {
         self.class_at(p).map(|class| self.speed_of(class))
     }
 
-    /// The factor on a robot's greatest speed on a class: where none is given 1, and 0 where there is no data.
+    /// Returns the factor on a robot's greatest speed on a class. Without a given factor it is 1, or 0 for no data.
     pub fn speed_of(&self, class: u16) -> f64 {
         let usual = if class == 0 { 0.0 } else { 1.0 };
         self.speeds.get(usize::from(class)).copied().unwrap_or(usual)

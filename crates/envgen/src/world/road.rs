@@ -8,19 +8,19 @@ use super::RoadStrip;
 use crate::curve::{Curve, Path, corner};
 use crate::geometry::Pose;
 
-/// A road's surface as triangles.
+/// The surface of a road as triangles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoadMesh {
-    /// Corners in metres: left and right edge in turn, in travel order.
+    /// Corners in metres, alternately on the left and on the right edge, in the direction of travel.
     pub vertices: Vec<DVec2>,
-    /// Distance along the road of each corner in metres, for textures.
+    /// Distance along the road of each corner in metres, such as for textures.
     pub distances: Vec<f64>,
     /// Three corners per triangle, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl RoadStrip {
-    /// The centreline as a path: the exact pieces where they are known, else lines between the
+    /// Returns the centreline as a path: the exact pieces if they are known, otherwise straight lines between the
     /// points.
     pub fn path(&self) -> Path<'_> {
         if !self.pieces.is_empty() {
@@ -42,12 +42,12 @@ impl RoadStrip {
         Path::new(Cow::Owned(lines))
     }
 
-    /// Width of a lane in metres.
+    /// Returns the width of a lane in metres.
     pub fn lane_width(&self) -> f64 {
         self.width / f64::from(self.lanes.max(1))
     }
 
-    /// The surface as triangles, whose edges stray from the road's by at most `tolerance` metres.
+    /// Returns the surface as triangles. Their edges deviate from the road's edges by at most `tolerance` metres.
     ///
     /// ```
     /// use envgen::geometry::signed_area;
@@ -73,7 +73,7 @@ impl RoadStrip {
         self.mesh_at(&path, distances)
     }
 
-    /// The surface as triangles between distances along the road's path.
+    /// Returns the surface as triangles, with corners at given distances along the road's path.
     pub(crate) fn mesh_at(&self, path: &Path<'_>, distances: Vec<f64>) -> RoadMesh {
         let left = path.offset_curve(0.5 * self.width, &distances);
         let right = path.offset_curve(-0.5 * self.width, &distances);

@@ -1,4 +1,4 @@
-//! Whether a polygon is simple, in about n log n for n corners.
+//! A test whether a polygon is simple, in about n log n steps for n corners.
 
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
@@ -7,8 +7,8 @@ use glam::DVec2;
 
 use crate::geometry::segments_cross;
 
-/// Whether no two sides of a polygon touch, but for neighbours at their common corner: a sweep over the sides that
-/// finds the first two that do (Shamos and Hoey, Geometric intersection problems, 1976,
+/// Whether no two sides of a polygon touch, except neighbours at their common corner. A sweep over the sides finds
+/// the first two that do (Shamos and Hoey, Geometric intersection problems, 1976,
 /// <https://doi.org/10.1109/SFCS.1976.16>).
 pub(crate) fn is_simple(vertices: &[DVec2]) -> bool {
     let n = vertices.len();
@@ -49,14 +49,14 @@ pub(crate) fn is_simple(vertices: &[DVec2]) -> bool {
     true
 }
 
-/// From left to right, and upwards.
+/// Orders points from left to right, and those with equal x from bottom to top.
 fn in_order(a: DVec2, b: DVec2) -> Ordering {
     // Finite, and -0 is 0.
     let order = |a: f64, b: f64| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
     order(a.x, b.x).then(order(a.y, b.y))
 }
 
-/// Whether two sides have more in common than neighbours have.
+/// Whether two sides have more in common than the shared corner of neighbours.
 fn touch(vertices: &[DVec2], i: usize, j: usize) -> bool {
     let n = vertices.len();
     let corner = |i: usize| vertices[i % n];
@@ -88,7 +88,7 @@ impl Side {
         Side { index, low, high }
     }
 
-    /// Which of two sides is lower, of which this one begins first.
+    /// Compares the heights of two sides, of which this one begins first.
     fn cmp_later(&self, later: &Side) -> Ordering {
         let above = |p: DVec2| {
             let height = (self.high - self.low).perp_dot(p - self.low);

@@ -1,4 +1,4 @@
-//! What stops a robot and a ray.
+//! Solids: the parts of a world that stop robots and rays.
 
 use std::borrow::Cow;
 
@@ -7,18 +7,18 @@ use glam::DVec2;
 use super::{Extent, PartId, PartKind, World};
 use crate::geometry::Shape;
 
-/// A part that stops a robot and a ray, with its shape.
+/// A part that stops robots and rays, with its shape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid<'a> {
-    /// Which part it is.
+    /// The identifier of the part.
     pub id: PartId,
     /// Its shape in world coordinates.
     pub shape: Cow<'a, Shape>,
 }
 
 impl World {
-    /// Everything that stops a robot and a ray: walls, trees, closed doors and obstacles, in this
-    /// order, whatever their heights. Rooms, roads and surfaces do not.
+    /// Returns everything that stops robots and rays: walls, trees, closed doors and obstacles, in this order,
+    /// whatever their heights. Rooms, roads and surfaces are no solids.
     ///
     /// ```
     /// use envgen::world::{Surface, SurfaceKind};
@@ -35,7 +35,7 @@ impl World {
         self.uprights().filter(move |part| part.id.kind != PartKind::Doorway || !is_open(part.id))
     }
 
-    /// Walls, trees, doorways and obstacles, in this order.
+    /// Returns walls, trees, doorways and obstacles, in this order.
     pub(crate) fn uprights(&self) -> impl Iterator<Item = Solid<'_>> {
         let solid =
             |kind, index: usize, shape| Solid { id: PartId { kind, index: index as u32 }, shape };
@@ -57,14 +57,15 @@ impl World {
             }))
     }
 
-    /// The solids that are partly within an extent, such as that of a robot's body: in the order of
-    /// [`World::solids`], with the open doorways whose lintels are.
+    /// Returns the solids that lie at least partly within an extent, such as that of a robot's body, in the order
+    /// of [`World::solids`]. Open doorways are included if their lintels lie within it.
     pub fn solids_within(&self, extent: Extent) -> impl Iterator<Item = Solid<'_>> {
         self.solids_where(move |part| part.overlaps(extent))
     }
 
-    /// The solids that a level plane meets, such as a laser's, at a height in metres above the floor: in the
-    /// order of [`World::solids`], with the open doorways whose lintels it meets. None for NaN.
+    /// Returns the solids that a horizontal plane, such as that of a laser, meets at a height in metres above the
+    /// floor, in the order of [`World::solids`]. Open doorways are included if the plane meets their lintels. For
+    /// NaN there are no solids.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -93,15 +94,15 @@ impl World {
         })
     }
 
-    /// How many parts there are, and points and cells of parts: what the time to draw or check a world grows with.
+    /// Returns the number of parts, and of points and cells of parts. The time to draw or check a world grows with it.
     pub fn part_count(&self) -> usize {
         let points: usize = self.road_strips.iter().map(|strip| strip.centreline.len()).sum();
         let cells = self.raster.as_ref().map_or(0, |raster| raster.cells.len());
         points + cells + self.solids().count() + self.rooms.len() + self.surfaces.len()
     }
 
-    /// Distance in metres from a point to the nearest solid part, infinite in a world without any.
-    /// Costs one step per part.
+    /// Returns the distance in metres from a point to the nearest solid part; infinite in a world without solids.
+    /// It takes one step per part.
     pub fn clearance(&self, p: DVec2) -> f64 {
         self.solids().map(|solid| solid.shape.distance(p)).fold(f64::INFINITY, f64::min)
     }
