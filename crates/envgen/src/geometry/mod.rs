@@ -1,4 +1,4 @@
-//! Plane geometry in metres and radians: x right, y up, headings counter-clockwise from +x.
+//! Plane geometry in metres and radians: x points right, y points up, and headings are counter-clockwise from +x.
 
 mod polygon;
 mod pose;

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::unit_vector;
 
-/// The sides of a closed polygon.
+/// Returns the sides of a closed polygon as pairs of corners.
 ///
 /// ```
 /// use envgen::geometry::edges;
@@ -19,7 +19,7 @@ pub fn edges(vertices: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
     vertices.iter().copied().zip(vertices.iter().copied().cycle().skip(1))
 }
 
-/// The area of a polygon in square metres, positive when it runs counter-clockwise.
+/// Returns the area of a polygon in square metres, positive when it runs counter-clockwise.
 ///
 /// ```
 /// use envgen::geometry::signed_area;
@@ -35,7 +35,7 @@ pub fn signed_area(vertices: &[DVec2]) -> f64 {
     0.5 * edges(vertices).map(|(a, b)| (a - origin).perp_dot(b - origin)).sum::<f64>()
 }
 
-/// The corners of a regular polygon about the origin, counter-clockwise; the first one is on the x axis.
+/// Returns the corners of a regular polygon around the origin, counter-clockwise. The first corner is on the x axis.
 ///
 /// ```
 /// use envgen::geometry::{regular_polygon, signed_area};

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-/// The unit vector of a heading in radians, the same bits on every platform.
+/// Returns the unit vector of a heading in radians. It has the same bits on every platform.
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;
@@ -22,7 +22,7 @@ pub fn unit_vector(heading: f64) -> DVec2 {
     DVec2::new(cos, sin)
 }
 
-/// The same direction as a heading in (-pi, pi].
+/// Returns the heading in (-pi, pi] that has the same direction.
 ///
 /// ```
 /// use std::f64::consts::PI;
@@ -44,10 +44,10 @@ pub fn wrap_angle(heading: f64) -> f64 {
     }
 }
 
-/// A position in metres with a heading in radians: the frame of a robot or a sensor, with x ahead and
-/// y to the left (ROS REP 103), given in another frame, which is called the world's below.
+/// A position in metres with a heading in radians.
 ///
-/// Poses form the group SE(2). Composed headings lie in (-pi, pi].
+/// A pose is the frame of a robot or a sensor, with x ahead and y to the left (ROS REP 103), given in another
+/// frame, which is called the world's frame below. Poses form the group SE(2). Composed headings lie in (-pi, pi].
 ///
 /// ```
 /// use std::f64::consts::FRAC_PI_2;
@@ -72,12 +72,12 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// A pose at (`x`, `y`) metres.
+    /// Creates a pose at (`x`, `y`) metres with a heading in radians.
     pub const fn new(x: f64, y: f64, heading: f64) -> Self {
         Pose { position: DVec2::new(x, y), heading }
     }
 
-    /// The pose in the world's frame that is `relative` in this pose's frame.
+    /// Returns in the world's frame the pose that is `relative` in this pose's frame.
     pub fn compose(self, relative: Pose) -> Pose {
         Pose {
             position: self.to_world(relative.position),
@@ -85,13 +85,13 @@ impl Pose {
         }
     }
 
-    /// The pose of the world's frame in this pose's frame.
+    /// Returns the pose of the world's frame in this pose's frame.
     pub fn inverse(self) -> Pose {
         self.between(Pose::default())
     }
 
-    /// The pose `to` in this pose's frame, where both are given in the world's frame: the inverse
-    /// composed with `to`.
+    /// Returns the pose `to` in this pose's frame, where both are given in the world's frame: the inverse of this
+    /// pose, composed with `to`.
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
@@ -112,23 +112,23 @@ impl Pose {
         }
     }
 
-    /// A point of this pose's frame in the world's frame, in metres.
+    /// Transforms a point in metres from this pose's frame into the world's frame.
     pub fn to_world(self, p: DVec2) -> DVec2 {
         self.local_to_world()(p)
     }
 
-    /// A point of the world's frame in this pose's frame, in metres.
+    /// Transforms a point in metres from the world's frame into this pose's frame.
     pub fn to_local(self, p: DVec2) -> DVec2 {
         self.world_to_local()(p)
     }
 
-    /// [`Pose::to_world`] for many points: the sine and cosine are computed once.
+    /// Returns [`Pose::to_world`] as a function for many points, which computes sine and cosine only once.
     pub fn local_to_world(self) -> impl Fn(DVec2) -> DVec2 + Copy {
         let ahead = unit_vector(self.heading);
         move |p| self.position + ahead.rotate(p)
     }
 
-    /// [`Pose::to_local`] for many points: the sine and cosine are computed once.
+    /// Returns [`Pose::to_local`] as a function for many points, which computes sine and cosine only once.
     pub fn world_to_local(self) -> impl Fn(DVec2) -> DVec2 + Copy {
         let back = unit_vector(-self.heading);
         move |p| back.rotate(p - self.position)

@@ -17,19 +17,19 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rect {
-    /// Corner of least x and y.
+    /// The corner with the least x and y.
     pub min: DVec2,
-    /// Corner of greatest x and y.
+    /// The corner with the greatest x and y.
     pub max: DVec2,
 }
 
 impl Rect {
-    /// The rectangle between two corners, of which `min` is the lower left.
+    /// Creates the rectangle between two corners, of which `min` is the lower left.
     pub const fn new(min: DVec2, max: DVec2) -> Self {
         Rect { min, max }
     }
 
-    /// The smallest rectangle that holds all points; `None` without points.
+    /// Returns the smallest rectangle that contains all points; `None` if there are no points.
     ///
     /// ```
     /// use envgen::geometry::Rect;
@@ -46,12 +46,12 @@ impl Rect {
         })
     }
 
-    /// The smallest rectangle that holds both.
+    /// Returns the smallest rectangle that contains both rectangles.
     pub fn union(self, other: Rect) -> Rect {
         Rect::new(self.min.min(other.min), self.max.max(other.max))
     }
 
-    /// The rectangle grown by `margin` on every side.
+    /// Returns the rectangle enlarged by `margin` on every side.
     ///
     /// ```
     /// use envgen::geometry::Rect;
@@ -66,27 +66,27 @@ impl Rect {
         Rect::new(self.min - DVec2::splat(margin), self.max + DVec2::splat(margin))
     }
 
-    /// Width and height.
+    /// Returns the width and height.
     pub fn size(self) -> DVec2 {
         self.max - self.min
     }
 
-    /// The middle.
+    /// Returns the centre.
     pub fn center(self) -> DVec2 {
         (self.min + self.max) * 0.5
     }
 
-    /// Whether a point lies inside or on the border.
+    /// Returns whether a point lies inside the rectangle or on its border.
     pub fn contains(self, p: DVec2) -> bool {
         p.cmpge(self.min).all() && p.cmple(self.max).all()
     }
 
-    /// Whether another rectangle lies inside.
+    /// Returns whether another rectangle lies inside this one, borders included.
     pub fn contains_rect(self, other: Rect) -> bool {
         self.contains(other.min) && self.contains(other.max)
     }
 
-    /// Whether two rectangles share a point.
+    /// Returns whether two rectangles have a point in common.
     pub fn overlaps(self, other: Rect) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }

@@ -1,10 +1,10 @@
-//! Straight lines between two points.
+//! Line segments.
 
 use glam::DVec2;
 
 use super::Rect;
 
-/// The point of the line from `a` to `b` that is nearest to a point.
+/// Returns the point of the segment from `a` to `b` that is nearest to a point.
 ///
 /// ```
 /// use envgen::geometry::nearest_on_segment;
@@ -22,7 +22,7 @@ pub fn nearest_on_segment(p: DVec2, a: DVec2, b: DVec2) -> DVec2 {
     a + along * t
 }
 
-/// Distance from a point to the line from `a` to `b`.
+/// Returns the distance from a point to the segment from `a` to `b`.
 ///
 /// ```
 /// use envgen::geometry::distance_to_segment;
@@ -36,7 +36,7 @@ pub fn distance_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     p.distance(nearest_on_segment(p, a, b))
 }
 
-/// A line in equal pieces of at most a length.
+/// Splits a segment into equal pieces of at most a given length.
 pub(crate) fn split_segment(
     a: DVec2,
     b: DVec2,
@@ -47,7 +47,7 @@ pub(crate) fn split_segment(
     (0..count as usize).map(move |k| (at(k), at(k + 1)))
 }
 
-/// Whether two lines share a point, ends and overlaps included.
+/// Returns whether two segments have a point in common; ends and overlaps count.
 ///
 /// ```
 /// use envgen::geometry::segments_cross;
@@ -83,7 +83,7 @@ pub fn segments_cross(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> bool {
         || (s4 == 0 && within(c, d, b))
 }
 
-/// Distance between two lines, 0 where they cross.
+/// Returns the distance between two segments, which is 0 where they cross.
 pub(crate) fn distance_between_segments(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> f64 {
     if segments_cross(a, b, c, d) {
         return 0.0;

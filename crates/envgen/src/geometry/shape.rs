@@ -10,7 +10,7 @@ use super::{
     polygon_contains, signed_area, unit_vector, wrap_angle,
 };
 
-/// A shape in world coordinates: what colliders, rays, rasters and pictures are made of.
+/// A shape in world coordinates, used by colliders, rays, rasters and pictures.
 ///
 /// ```
 /// use envgen::geometry::Shape;
@@ -25,7 +25,7 @@ use super::{
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {
-    /// A line without thickness.
+    /// A line segment without thickness.
     Segment {
         /// One end.
         a: DVec2,
@@ -34,34 +34,34 @@ pub enum Shape {
     },
     /// A filled circle.
     Disc {
-        /// Middle.
+        /// The centre.
         center: DVec2,
         /// Radius in metres.
         radius: f64,
     },
-    /// A filled rectangle, turned about its middle.
+    /// A filled rectangle, rotated about its centre.
     Box {
-        /// Middle.
+        /// The centre.
         center: DVec2,
-        /// Half the width (along the heading) and half the height.
+        /// Half the width (along the heading) and half the height (across it).
         half_size: DVec2,
-        /// Direction of the width, in radians.
+        /// The direction of the width, in radians.
         heading: f64,
     },
-    /// A filled simple polygon, counter-clockwise, not closed by a repeated vertex.
+    /// A filled simple polygon, counter-clockwise. The first corner is not repeated at the end.
     Polygon {
-        /// At least three corners.
+        /// The corners, at least three.
         vertices: Vec<DVec2>,
     },
 }
 
 impl Shape {
-    /// A box that fills an axis-aligned rectangle.
+    /// Returns a box that fills an axis-aligned rectangle.
     pub fn from_rect(rect: Rect) -> Shape {
         Shape::Box { center: rect.center(), half_size: rect.size() * 0.5, heading: 0.0 }
     }
 
-    /// A box of the given thickness around the line from `a` to `b`, lengthened at both ends by
+    /// Returns a box of the given thickness around the segment from `a` to `b`, extended at both ends by
     /// `extension` metres.
     ///
     /// ```
@@ -83,8 +83,7 @@ impl Shape {
         }
     }
 
-    /// The corners of a box or polygon, counter-clockwise, or the ends of a segment; a disc has
-    /// none.
+    /// Returns the corners of a box or polygon, counter-clockwise, or the ends of a segment. A disc has no corners.
     pub fn corners(&self) -> Vec<DVec2> {
         match self {
             Shape::Segment { a, b } => vec![*a, *b],
@@ -96,7 +95,7 @@ impl Shape {
         }
     }
 
-    /// The smallest axis-aligned rectangle around the shape.
+    /// Returns the smallest axis-aligned rectangle around the shape.
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
@@ -127,8 +126,8 @@ impl Shape {
         }
     }
 
-    /// Whether a point lies inside the shape or on its border (up to rounding); never for a
-    /// segment, which has no inside.
+    /// Returns whether a point lies inside the shape or on its border (up to rounding). A segment has no interior
+    /// and contains no point.
     pub fn contains(&self, p: DVec2) -> bool {
         match self {
             Shape::Segment { .. } => false,
@@ -141,7 +140,7 @@ impl Shape {
         }
     }
 
-    /// Distance from a point to the shape in metres, 0 inside it.
+    /// Returns the distance from a point to the shape in metres, which is 0 inside it.
     pub fn distance(&self, p: DVec2) -> f64 {
         match self {
             Shape::Segment { a, b } => distance_to_segment(p, *a, *b),
@@ -157,7 +156,7 @@ impl Shape {
         }
     }
 
-    /// Distance from the line from `a` to `b` to the shape in metres, 0 where they meet.
+    /// Returns the distance from the segment from `a` to `b` to the shape in metres, which is 0 where they meet.
     pub(crate) fn distance_from_segment(&self, a: DVec2, b: DVec2) -> f64 {
         let from_sides = |vertices: &[DVec2]| {
             edges(vertices)
@@ -177,7 +176,7 @@ impl Shape {
         }
     }
 
-    /// The point of the shape that is nearest to a point: the point itself when it lies inside.
+    /// Returns the point of the shape that is nearest to a point, which is the point itself if it lies inside.
     ///
     /// ```
     /// use envgen::geometry::Shape;
@@ -205,7 +204,7 @@ impl Shape {
         }
     }
 
-    /// The shape `by` metres farther.
+    /// Returns the shape translated by `by` metres.
     pub fn moved(&self, by: DVec2) -> Shape {
         match self {
             Shape::Segment { a, b } => Shape::Segment { a: *a + by, b: *b + by },
@@ -219,8 +218,8 @@ impl Shape {
         }
     }
 
-    /// The shape turned about the middle of its bounds, counter-clockwise by an angle in radians. Quarter turns
-    /// of a box along the axes keep it along them.
+    /// Returns the shape rotated about the middle of its bounds by an angle in radians, counter-clockwise. Quarter
+    /// turns keep an axis-aligned box axis-aligned.
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
@@ -250,8 +249,8 @@ impl Shape {
         }
     }
 
-    /// The line through the middle of the shape along its longer side, and the width across it in metres. Of a polygon
-    /// the direction is that of its longest side.
+    /// Returns both ends of the line through the middle of the shape along its longer side, and the width across it
+    /// in metres. For a polygon, the line has the direction of its longest side.
     pub(crate) fn long_axis(&self) -> (DVec2, DVec2, f64) {
         let around = |center: DVec2, axis: DVec2, half: DVec2| {
             let is_along = half.x >= half.y;
@@ -280,7 +279,7 @@ impl Shape {
         }
     }
 
-    /// Area in square metres, 0 for a segment.
+    /// Returns the area in square metres, which is 0 for a segment.
     pub fn area(&self) -> f64 {
         match self {
             Shape::Segment { .. } => 0.0,
@@ -298,7 +297,7 @@ fn box_corners(center: DVec2, half_size: DVec2, heading: f64) -> [DVec2; 4] {
     [center - u - v, center + u - v, center + u + v, center - u + v]
 }
 
-/// The direction of a box's width. Quarter turns, which most boxes have, are exact.
+/// Returns the direction of a box's width as a unit vector. Quarter turns, which most boxes have, are exact.
 pub fn box_axis(heading: f64) -> DVec2 {
     if heading == 0.0 {
         DVec2::X
@@ -313,7 +312,7 @@ pub fn box_axis(heading: f64) -> DVec2 {
     }
 }
 
-/// An offset from a box's middle in the box's own axes.
+/// Transforms an offset from a box's centre into the box's own axes.
 fn into_box(offset: DVec2, heading: f64) -> DVec2 {
     let u = box_axis(heading);
     DVec2::new(offset.dot(u), u.perp_dot(offset))

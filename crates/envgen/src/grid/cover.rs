@@ -1,23 +1,23 @@
-//! The cells that a convex shape touches, or whose middles it covers.
+//! The cells that a convex shape touches, or whose centres it covers.
 
 use glam::DVec2;
 
 use super::GridFrame;
 use crate::geometry::{Rect, edges};
 
-/// More than rounding changes the borders of rows by, as a share of what they are computed from.
+/// An upper bound of the rounding errors of the borders of rows, relative to the numbers from which they are computed.
 const ROUNDING: f64 = 1e-14;
 
-/// A shape that every horizontal strip cuts in one interval.
+/// A shape that intersects every horizontal strip in one interval.
 pub(crate) enum Convex<'a> {
     Disc(DVec2, f64),
     Polygon(&'a [DVec2]),
 }
 
 impl GridFrame {
-    /// Calls `visit` with row, first and last column of every run of cells that the shape touches.
-    /// In each row a convex shape covers one interval of x, and every cell of it holds a point of
-    /// the shape.
+    /// Calls `visit` with the row, the first column and the last column of every run of cells that the shape
+    /// touches. In each row, a convex shape covers one interval of x, and every cell of that interval contains a
+    /// point of the shape.
     pub(crate) fn touched_runs(
         &self,
         shape: &Convex<'_>,
@@ -39,8 +39,8 @@ impl GridFrame {
         }
     }
 
-    /// The first and last cell of an axis that a closed interval touches: a point on the line
-    /// between two cells belongs to both.
+    /// Returns the first and last cell of an axis that a closed interval touches. A point on the line between two
+    /// cells belongs to both.
     fn touched(&self, low: f64, high: f64, len: usize) -> Option<(usize, usize)> {
         let first = (low / self.cell_size).ceil() - 1.0;
         let last = (high / self.cell_size).floor();
@@ -50,7 +50,7 @@ impl GridFrame {
         Some((first.max(0.0) as usize, (last as usize).min(len - 1)))
     }
 
-    /// The cells whose middles lie in a closed interval of an axis, measured from the origin.
+    /// Returns the first and last cell of an axis whose centres lie in a closed interval, measured from the origin.
     pub(crate) fn middles(&self, low: f64, high: f64, len: usize) -> Option<(usize, usize)> {
         let first = (low / self.cell_size - 0.5).ceil().max(0.0);
         let last = (high / self.cell_size - 0.5).floor().min(len as f64 - 1.0);
@@ -66,7 +66,7 @@ impl Convex<'_> {
         }
     }
 
-    /// The interval of x that the shape covers between two heights; `None` when it misses them.
+    /// Returns the interval of x that the shape covers between two heights; `None` if it lies outside them.
     fn strip(&self, bottom: f64, top: f64) -> Option<(f64, f64)> {
         match *self {
             Convex::Disc(center, radius) => {

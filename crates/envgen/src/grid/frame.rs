@@ -1,14 +1,14 @@
-//! Where the cells of a grid lie.
+//! The geometry of a grid of square cells.
 
 use glam::DVec2;
 
 use crate::geometry::Rect;
 
-/// Equal square cells over an axis-aligned rectangle: what rasters, occupancy grids and spatial indices
-/// have in common.
+/// The position and size of a grid: equal square cells over an axis-aligned rectangle. Rasters, occupancy grids and
+/// spatial indices share it.
 ///
-/// Cell (`col`, `row`) covers `origin` + [`col`, `col` + 1) x `cell_size`, and likewise in y: column 0
-/// is the leftmost, row 0 the lowest. The index of a cell counts row by row: `row * cols + col`.
+/// Cell (`col`, `row`) covers `origin` + [`col`, `col` + 1) x `cell_size` in x, and likewise in y. Column 0 is the
+/// leftmost, row 0 the lowest. Cells are indexed row by row: `row * cols + col`.
 ///
 /// ```
 /// use envgen::GridFrame;
@@ -34,24 +34,24 @@ pub struct GridFrame {
 }
 
 impl GridFrame {
-    /// Number of cells.
+    /// Returns the number of cells.
     #[inline]
     pub fn len(self) -> usize {
         self.cols * self.rows
     }
 
-    /// Whether there are no cells.
+    /// Returns whether there are no cells.
     #[inline]
     pub fn is_empty(self) -> bool {
         self.len() == 0
     }
 
-    /// The rectangle that the cells cover, in metres.
+    /// Returns the rectangle that the cells cover, in metres.
     pub fn bounds(self) -> Rect {
         Rect::new(self.origin, self.corner(self.cols, self.rows))
     }
 
-    /// Column and row of the cell that contains a point; `None` outside, and for NaN.
+    /// Returns the column and row of the cell that contains a point; `None` outside the grid, and for NaN.
     #[inline]
     pub fn cell_at(self, p: DVec2) -> Option<(usize, usize)> {
         // Not rounded down: what is cut off below does that, and many processors have no instruction for it.
@@ -63,20 +63,20 @@ impl GridFrame {
         inside.then_some((cell.x as usize, cell.y as usize))
     }
 
-    /// Index of the cell that contains a point; `None` outside, and for NaN.
+    /// Returns the index of the cell that contains a point; `None` outside the grid, and for NaN.
     #[inline]
     pub fn index_at(self, p: DVec2) -> Option<usize> {
         self.cell_at(p).map(|(col, row)| self.index(col, row))
     }
 
-    /// Index of a cell of the grid.
+    /// Returns the index of a cell of the grid.
     #[inline]
     pub fn index(self, col: usize, row: usize) -> usize {
         debug_assert!(col < self.cols && row < self.rows, "({col}, {row}) is not in {self:?}");
         row * self.cols + col
     }
 
-    /// Column and row of the cell with an index.
+    /// Returns the column and row of the cell with an index.
     ///
     /// # Panics
     /// When the grid has no columns.
@@ -86,20 +86,20 @@ impl GridFrame {
         (index % self.cols, index / self.cols)
     }
 
-    /// The lower left corner of a cell in metres. `cols` and `rows` are allowed too, for the far
+    /// Returns the lower left corner of a cell in metres. `cols` and `rows` are allowed as well, and give the far
     /// borders of the grid.
     #[inline]
     pub fn corner(self, col: usize, row: usize) -> DVec2 {
         self.origin + DVec2::new(col as f64, row as f64) * self.cell_size
     }
 
-    /// The centre of a cell in metres.
+    /// Returns the centre of a cell in metres.
     #[inline]
     pub fn center(self, col: usize, row: usize) -> DVec2 {
         self.origin + (DVec2::new(col as f64, row as f64) + 0.5) * self.cell_size
     }
 
-    /// The centre of the cell with an index, in metres.
+    /// Returns the centre of the cell with an index, in metres.
     ///
     /// # Panics
     /// When the grid has no columns.
@@ -110,7 +110,7 @@ impl GridFrame {
         self.center(col, row)
     }
 
-    /// The cell `right` columns to the right of another and `up` rows above it; `None` outside.
+    /// Returns the cell `right` columns to the right of another cell and `up` rows above it; `None` outside the grid.
     ///
     /// # Panics
     /// When the grid has no columns.
@@ -122,7 +122,8 @@ impl GridFrame {
         (col < self.cols && row < self.rows).then(|| self.index(col, row))
     }
 
-    /// The cells that share a side with a cell: left, right, below, above, as far as there are any.
+    /// Returns the cells that share a side with a cell, in the order left, right, below, above; at the border there
+    /// are fewer.
     ///
     /// ```
     /// use envgen::GridFrame;

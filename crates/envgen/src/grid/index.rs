@@ -1,15 +1,15 @@
-//! Lists of items by cell.
+//! Lists of items by grid cell.
 
 use glam::DVec2;
 
 use super::GridFrame;
 use crate::geometry::Rect;
 
-/// The most cells of a grid that indexes parts: 8 bytes each.
+/// The greatest number of cells of a grid that indexes parts; each cell takes 8 bytes.
 pub(crate) const MAX_CELLS: f64 = (1 << 22) as f64;
 
 impl GridFrame {
-    /// About `target` cells over an area, [`MAX_CELLS`] at most.
+    /// Creates a frame of about `target` cells over an area, but at most [`MAX_CELLS`].
     pub(crate) fn over(area: Rect, target: f64) -> GridFrame {
         let size = area.size();
         let longest = size.max_element();
@@ -20,16 +20,16 @@ impl GridFrame {
     }
 }
 
-/// The area of an index of items within some bounds, for queries up to `reach` metres from them. A small
-/// margin keeps items on the border, and queries that graze it, inside.
+/// Returns the area of an index of items within some bounds, for queries up to `reach` metres from them. A small
+/// margin keeps items on the border, and queries that graze it, inside the area.
 pub(crate) fn index_area(bounds: Option<Rect>, reach: f64) -> Rect {
     let bounds = bounds.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ONE));
     bounds.grown(reach + 1e-9 * (1.0 + bounds.size().max_element()))
 }
 
-/// The first of several frames over an area for which `build` succeeds, from about `cells` cells on,
-/// each with a quarter of the cells of the one before. `build` gets `most`, but no limit for a single
-/// cell, where it must succeed.
+/// Returns the first of several frames over an area for which `build` succeeds. The first frame has about `cells`
+/// cells, and each further one a quarter of the cells of the one before. `build` receives `most` as the limit of
+/// listings; for a single cell it receives no limit and must succeed.
 pub(crate) fn finest_frame<T>(
     area: Rect,
     cells: f64,
@@ -47,7 +47,7 @@ pub(crate) fn finest_frame<T>(
     }
 }
 
-/// Numbered items by the cells of a grid.
+/// Numbered items, listed by the cells of a grid.
 #[derive(Clone, Debug)]
 pub(crate) struct GridIndex {
     pub(crate) frame: GridFrame,
@@ -55,9 +55,9 @@ pub(crate) struct GridIndex {
 }
 
 impl GridIndex {
-    /// Lists the items 0 to `len` - 1 in every cell that `runs` names for them, of about `cells` cells
-    /// over an area. The cells are coarser where an item would be in more than `listings` of them on
-    /// average, so that memory is bounded where items overlap each other.
+    /// Lists the items 0 to `len` - 1 in every cell that `runs` names for them, in a grid of about `cells` cells
+    /// over an area. The cells are coarser if an item would be listed in more than `listings` of them on average,
+    /// so that memory is bounded where items overlap.
     pub(crate) fn new(
         area: Rect,
         cells: f64,
@@ -76,30 +76,29 @@ impl GridIndex {
         GridIndex { frame, lists }
     }
 
-    /// The items that the cell around a point lists, in order; none outside the area.
+    /// Returns the items that the cell around a point lists, in order; an empty list outside the area.
     #[inline]
     pub(crate) fn at(&self, p: DVec2) -> &[u32] {
         self.frame.index_at(p).map_or(&[], |cell| self.lists.of(cell))
     }
 
-    /// The items that a cell lists, in order.
+    /// Returns the items that a cell lists, in order.
     #[inline]
     pub(crate) fn of(&self, cell: usize) -> &[u32] {
         self.lists.of(cell)
     }
 }
 
-/// One list per cell, all in one allocation.
+/// One list per cell, all in a single allocation.
 #[derive(Clone, Debug)]
 pub(crate) struct CellBuckets<T> {
-    /// Where each cell's list starts; one more than there are cells.
+    /// The start of each cell's list, and the end of the last list.
     starts: Vec<u32>,
     items: Vec<T>,
 }
 
 impl<T: Copy> CellBuckets<T> {
-    /// Lists each item in every cell that `runs` names for it; `None` when that would be more than
-    /// `most` listings.
+    /// Lists each item in every cell that `runs` names for it; `None` if that gives more than `most` listings.
     pub(crate) fn build(
         frame: &GridFrame,
         items: &[T],

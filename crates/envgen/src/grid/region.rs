@@ -2,8 +2,9 @@
 
 use super::frame::GridFrame;
 
-/// The cells of the largest region of open cells that are joined by their sides, in the order in which a search from its
-/// first cell meets them; of equal regions the first. The grid has at most 2^32 cells.
+/// Returns the cells of the largest region of open cells that are joined by their sides, in the order in which a
+/// search from its first cell finds them. Among regions of equal size, it returns the first. The grid has at most
+/// 2^32 cells.
 pub(crate) fn largest_region(frame: GridFrame, mut open: Vec<bool>) -> Vec<u32> {
     let (mut largest, mut region) = (Vec::new(), Vec::new());
     for first in 0..open.len() {
