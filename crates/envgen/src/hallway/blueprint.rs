@@ -1,4 +1,4 @@
-//! The states that are drawn for a hallway.
+//! The blueprint of a hallway: the states that were drawn for it.
 
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use super::spec::HallwaySpec;
 use super::state::State;
 use crate::seed::Seed;
 
-/// The states of a hallway, with the spec and seed that they were drawn for.
+/// The states of a hallway, with the spec and seed from which they were drawn.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -29,22 +29,22 @@ pub struct Hallway {
 }
 
 impl Hallway {
-    /// The history of states, `segments` of them.
+    /// Returns the sequence of states, `segments` of them.
     pub fn states(&self) -> &[State] {
         &self.states
     }
 
-    /// The settings.
+    /// Returns the spec.
     pub fn spec(&self) -> &HallwaySpec {
         &self.spec
     }
 
-    /// The seed that it was drawn with.
+    /// Returns the seed with which the hallway was drawn.
     pub fn seed(&self) -> Seed {
         self.seed
     }
 
-    /// The corridor in metres.
+    /// Computes the corridor in metres.
     pub fn layout(&self) -> HallwayLayout {
         HallwayLayout::new(&self.states, &self.spec)
     }

@@ -8,7 +8,7 @@ use super::state::State;
 use crate::error::SpecError;
 use crate::seed::Stream;
 
-/// The chain: equation (1) of the paper, with `p_ss` = 1 - `p_st` and `p_ts` = 1 - `p_tt`.
+/// The Markov chain of equation (1) of the paper, with `p_ss` = 1 - `p_st` and `p_ts` = 1 - `p_tt`.
 ///
 /// ```
 /// use envgen::Seed;
@@ -28,7 +28,7 @@ pub struct HallwayChain {
 }
 
 impl HallwayChain {
-    /// The chain in which a turn follows a straight segment with probability `p_st`, and a turn
+    /// Creates the chain in which a turn follows a straight segment with probability `p_st`, and follows a turn
     /// with probability `p_tt`.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl HallwayChain {
         Ok(HallwayChain { p_st, p_tt })
     }
 
-    /// The transition matrix: row and column `k` belong to state `k + 1`.
+    /// Returns the transition matrix: row and column `k` belong to state `k + 1`.
     pub fn matrix(&self) -> [[f64; 8]; 8] {
         let mut rows = [[0.0; 8]; 8];
         for state in State::ALL {
@@ -51,16 +51,16 @@ impl HallwayChain {
         rows
     }
 
-    /// The probability that a turn follows a state.
+    /// Returns the probability that a turn follows the given state.
     #[inline]
     pub fn turn_probability(&self, state: State) -> f64 {
         if state.is_turn() { self.p_tt } else { self.p_st }
     }
 
-    /// The stationary law: the shares of states 1..=8 in the long run.
+    /// Returns the stationary distribution: the shares of states 1..=8 in the long run.
     ///
-    /// With `p_st` = 0 and `p_tt` < 1 a straight segment is never followed by a turn, and the result is
-    /// the limit for `p_st` to 0: a quarter each.
+    /// With `p_st` = 0 and `p_tt` < 1, a straight segment is never followed by a turn, and the result is the limit
+    /// for `p_st` approaching 0: a quarter for each straight state.
     ///
     /// ```
     /// use envgen::hallway::HallwayChain;
@@ -73,8 +73,8 @@ impl HallwayChain {
     /// ```
     ///
     /// # Errors
-    /// With `p_st` = 0 and `p_tt` = 1, where straights follow straights and turns follow turns forever,
-    /// so that the stationary law is not unique.
+    /// When `p_st` = 0 and `p_tt` = 1: straights follow straights and turns follow turns forever, so that the
+    /// stationary distribution is not unique.
     pub fn stationary(&self) -> Result<[f64; 8], SpecError> {
         let leave = self.p_st + (1.0 - self.p_tt);
         if leave <= 0.0 {
@@ -89,7 +89,7 @@ impl HallwayChain {
         Ok([straight, straight, straight, straight, turn, turn, turn, turn])
     }
 
-    /// The expected number of turns among `n` states, the start state included.
+    /// Returns the expected number of turns among `n` states, including the start state.
     ///
     /// ```
     /// use envgen::hallway::{HallwayChain, State};
@@ -114,7 +114,7 @@ impl HallwayChain {
         n * tau + (t0 - tau) * (1.0 - libm::pow(rho, n)) / leave
     }
 
-    /// Draws a history of `n` states that begins with `start`: one uniform number per transition.
+    /// Draws a sequence of `n` states that begins with `start`, with one uniform number per transition.
     pub fn sample(&self, start: State, n: usize, stream: &mut Stream) -> Vec<State> {
         let mut state = start;
         let mut states = Vec::with_capacity(n);
@@ -129,7 +129,7 @@ impl HallwayChain {
         states
     }
 
-    /// Estimates both probabilities from a history of states by maximum likelihood.
+    /// Estimates both probabilities from a sequence of states by maximum likelihood.
     ///
     /// ```
     /// use envgen::hallway::{HallwayChain, State};
@@ -146,7 +146,7 @@ impl HallwayChain {
     /// ```
     ///
     /// # Errors
-    /// The first transition that the chain does not have.
+    /// When the chain does not have one of the transitions; the error names the first such transition.
     pub fn estimate(states: &[State]) -> Result<Estimate, HistoryError> {
         let mut estimate = Estimate::default();
         for (step, pair) in states.windows(2).enumerate() {
@@ -162,44 +162,44 @@ impl HallwayChain {
     }
 }
 
-/// A history that the chain cannot produce.
+/// The error for a sequence of states that the chain cannot produce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("state {to} cannot follow state {from} (transition {step}, counted from 0)")]
 pub struct HistoryError {
-    /// The transition, counted from 0.
+    /// The index of the transition, counted from 0.
     pub step: usize,
-    /// The state it leaves.
+    /// The state that the transition leaves.
     pub from: State,
-    /// The state it reaches.
+    /// The state that the transition reaches.
     pub to: State,
 }
 
-/// Estimates of a chain's probabilities from a history of states.
+/// Estimates of a chain's probabilities from a sequence of states.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Estimate {
-    /// Turns among the transitions that leave a straight segment.
+    /// Share of turns among the transitions that leave a straight segment.
     pub p_st: Proportion,
-    /// Turns among the transitions that leave a turn.
+    /// Share of turns among the transitions that leave a turn.
     pub p_tt: Proportion,
 }
 
-/// A share of trials.
+/// A proportion: how many of a number of trials had some outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Proportion {
-    /// Trials with the outcome that is counted.
+    /// Number of trials with the outcome.
     pub hits: u64,
-    /// All trials.
+    /// Number of all trials.
     pub trials: u64,
 }
 
 impl Proportion {
-    /// The maximum-likelihood estimate; `None` without trials.
+    /// Returns the maximum-likelihood estimate of the probability; `None` without trials.
     pub fn value(self) -> Option<f64> {
         (self.trials > 0).then(|| self.hits as f64 / self.trials as f64)
     }
 
-    /// Wilson's score interval for a standard normal quantile `z` (1.96 for 95 %): E. B. Wilson,
-    /// Probable Inference, JASA 22, 1927, <https://doi.org/10.1080/01621459.1927.10502953>. Without trials it is [0, 1].
+    /// Returns Wilson's score interval for a standard normal quantile `z` (1.96 for 95 %): E. B. Wilson, Probable
+    /// Inference, JASA 22, 1927, <https://doi.org/10.1080/01621459.1927.10502953>. Without trials it is [0, 1].
     ///
     /// ```
     /// use envgen::hallway::Proportion;

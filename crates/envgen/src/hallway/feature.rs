@@ -1,8 +1,8 @@
-//! Alcoves, door frames and crates: the features that make pieces of a corridor differ.
+//! Features of corridors: alcoves, door frames and crates, which make pieces of a corridor differ.
 //!
-//! Zwennes (2011) asks for "different hallway pieces" because plain corridors were the predictable
-//! part of his maps. Every inner straight cell draws at most one feature, with probability rate x
-//! pitch: the rate is that of the draws, and `features_dropped` counts those without enough room.
+//! Zwennes (2011) asks for "different hallway pieces" because plain corridors were the predictable part of his
+//! maps. Every inner straight cell draws at most one feature, with a probability of rate x pitch. The rates apply
+//! to the draws; `features_dropped` counts the drawn features for which there was not enough room.
 
 use std::collections::BTreeMap;
 
@@ -13,50 +13,50 @@ use super::layout::HallwayLayout;
 use super::spec::HallwaySpec;
 use crate::geometry::Rect;
 
-/// Depth of a door frame and of a crate along the corridor, in metres, where the cell is that long.
+/// Depth of a door frame and of a crate along the corridor, in metres, if the cell is long enough.
 const FRAME_DEPTH: f64 = 0.2;
 const CRATE_DEPTH: f64 = 0.6;
 
 /// A feature of a straight piece of corridor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feature {
-    /// What it is.
+    /// The kind of feature.
     pub kind: FeatureKind,
-    /// Index of the state whose cell holds it.
+    /// Index of the state whose cell contains the feature.
     pub cell: usize,
-    /// Its middle on the centreline, in metres.
+    /// The feature's middle on the centreline, in metres.
     pub at: DVec2,
-    /// Unit vector of the direction of travel there.
+    /// Unit vector of the direction of travel at the feature.
     pub direction: DVec2,
-    /// The wall that it is at; a door frame is at both.
+    /// The side of the corridor on which the feature is; a door frame is on both.
     pub side: Side,
-    /// Its length along the corridor in metres.
+    /// Length of the feature along the corridor in metres.
     pub length: f64,
     pub(super) leg: usize,
 }
 
-/// What a feature is.
+/// The kind of a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeatureKind {
     /// A recess in the wall.
     Alcove,
-    /// Two posts.
+    /// A door frame: two posts.
     DoorFrame,
-    /// A crate at the wall.
+    /// A narrow place: a crate at one wall.
     Narrowing,
 }
 
 /// A side of the corridor, seen in the direction of travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// To the left.
+    /// The left side.
     Left,
-    /// To the right.
+    /// The right side.
     Right,
 }
 
 impl Side {
-    /// 1 to the left, -1 to the right.
+    /// Returns 1 for the left side and -1 for the right side.
     pub(super) fn sign(self) -> f64 {
         match self {
             Side::Left => 1.0,
@@ -69,12 +69,12 @@ impl Side {
 pub(super) struct Placed {
     pub(super) features: Vec<Feature>,
     pub(super) dropped: u64,
-    /// The last one that narrows the corridor: anything but an alcove.
+    /// The last feature that narrows the corridor: a door frame or a crate.
     last_narrowing: Option<Feature>,
 }
 
-/// Draws the features of a hallway and drops those for which there is no room: beside a corner, or
-/// where an alcove would reach another arm.
+/// Draws the features of a hallway and drops those for which there is no room, because they are beside a corner or
+/// too close to the last feature, or because an alcove would reach into another arm.
 pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
     let spec = hallway.spec();
     let mut placed = Placed::default();
@@ -113,15 +113,15 @@ pub(super) fn place(hallway: &Hallway, layout: &HallwayLayout) -> Placed {
     placed
 }
 
-/// The narrowest passage that the spec asks for, in metres.
+/// Returns the width in metres of the narrowest passage for which the spec asks.
 pub(super) fn passage(spec: &HallwaySpec) -> f64 {
     let frame = if spec.door_frame_rate > 0.0 { spec.door_frame_width } else { spec.width };
     let crate_ = if spec.narrowing_rate > 0.0 { spec.narrowing_width } else { spec.width };
     frame.min(crate_)
 }
 
-/// Whether a robot that fits through the narrowest passage can also move aside between this feature
-/// and the last one: a crate right behind a door frame would close the corridor.
+/// Whether a robot that fits through the narrowest passage can also move sideways between this feature and the last
+/// one. A crate right behind a door frame would close the corridor.
 fn clear_of_last(placed: &Placed, feature: &Feature, passage: f64) -> bool {
     feature.kind == FeatureKind::Alcove
         || placed.last_narrowing.is_none_or(|last| {
@@ -159,7 +159,7 @@ fn fits_on_leg(layout: &HallwayLayout, spec: &HallwaySpec, feature: &Feature) ->
 }
 
 impl Feature {
-    /// The rectangle of an alcove with its walls, behind the corridor's own wall face.
+    /// Returns the bounds of an alcove and its walls, behind the inner face of the corridor's wall.
     pub(super) fn alcove_outline(&self, spec: &HallwaySpec) -> Rect {
         let outward = self.direction.perp() * self.side.sign();
         let along = self.direction * (0.5 * self.length + spec.wall_thickness);
@@ -170,10 +170,10 @@ impl Feature {
     }
 }
 
-/// The lattice cells that the corridor and the alcoves placed so far use.
+/// The lattice cells that are used by the corridor and the alcoves placed so far.
 struct Taken {
     cells: BTreeMap<(i64, i64), Vec<Owner>>,
-    /// Half the side of the square around a cell's middle that holds its piece of corridor.
+    /// Half the side of the square around a cell's centre that contains its piece of corridor.
     reach: f64,
 }
 
@@ -197,8 +197,8 @@ impl Taken {
         Taken { cells, reach: (0.5 * spec.pitch).max(0.5 * spec.width + spec.wall_thickness) }
     }
 
-    /// Claims the cells of an alcove; false when one is taken. Other features lie inside the corridor and
-    /// always have room.
+    /// Claims the cells of an alcove; returns false if one of them is taken. Other features lie inside the corridor
+    /// and always have room.
     fn claim(&mut self, spec: &HallwaySpec, feature: &Feature) -> bool {
         if feature.kind != FeatureKind::Alcove {
             return true;

@@ -1,4 +1,4 @@
-//! From a spec and a seed to a hallway.
+//! Generates a hallway from a spec and a seed.
 
 use super::blueprint::Hallway;
 use super::chain::HallwayChain;
@@ -7,7 +7,7 @@ use super::state::State;
 use crate::error::SpecError;
 use crate::seed::Seed;
 
-/// The hallway of a valid spec.
+/// Generates the hallway of a valid spec.
 pub(super) fn hallway(spec: &HallwaySpec, seed: Seed) -> Result<Hallway, SpecError> {
     let chain = HallwayChain::new(spec.p_st, spec.p_tt)?;
     let start = match spec.start {

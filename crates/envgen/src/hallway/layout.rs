@@ -1,8 +1,8 @@
-//! From states to a corridor in metres.
+//! The layout of a corridor in metres, computed from its states.
 //!
-//! Each state owns one square cell of a lattice, and the next cell lies in the exit direction. No
-//! exit direction is down, the walk keeps one direction inside a row of cells, and it never returns to
-//! a row: so no cell is used twice, whatever the probabilities are.
+//! Each state owns one square cell of a lattice, and the next cell lies in the exit direction. No exit direction is
+//! down, the walk keeps one direction inside a row of cells, and it never returns to a row. Therefore no cell is
+//! used twice, whatever the probabilities are.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,10 +12,10 @@ use super::spec::{Corners, HallwaySpec};
 use super::state::State;
 use crate::geometry::{Pose, unit_vector};
 
-/// Arcs are drawn as chords that stray from them by at most this, in metres.
+/// The greatest deviation in metres of chords from the arcs that they replace.
 const CHORD_TOLERANCE: f64 = 0.002;
 
-/// A corridor in metres: the first cell's middle is the origin.
+/// The geometry of a corridor in metres. The origin is the centre of the first cell.
 ///
 /// ```
 /// use envgen::{Seed, Spec, hallway::HallwaySpec};
@@ -32,21 +32,21 @@ pub struct HallwayLayout {
     cells: Vec<DVec2>,
     pub(super) legs: Vec<Leg>,
     width: f64,
-    /// Radius of the centreline's arcs, 0 for square corners.
+    /// Radius of the arcs of the centreline; 0 for square corners.
     pub(super) arc_radius: f64,
     pub(super) arc_pieces: usize,
     start: Pose,
     goal: Pose,
 }
 
-/// A straight piece of the centreline between two corners, corner point to corner point.
+/// A straight piece of the centreline, from corner point to corner point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Leg {
     pub(super) from: DVec2,
     pub(super) to: DVec2,
-    /// Unit vector of travel.
+    /// Unit vector of the direction of travel.
     pub(super) direction: DVec2,
-    /// Index of the first state whose cell lies on the leg behind its first corner.
+    /// Index of the first state whose cell lies on the leg after its first corner.
     pub(super) first_cell: usize,
 }
 
@@ -102,44 +102,44 @@ impl HallwayLayout {
         layout
     }
 
-    /// Middle of each state's cell, in order.
+    /// Returns the centre of each state's cell, in order.
     pub fn cells(&self) -> &[DVec2] {
         &self.cells
     }
 
-    /// The centreline from end to end, arcs drawn as chords.
+    /// Returns the centreline from end to end, with arcs as chords.
     pub fn centreline(&self) -> Vec<DVec2> {
         self.offset_line(0.0)
     }
 
-    /// The inner face of the left wall, from start to goal.
+    /// Returns the inner face of the left wall, from start to goal.
     pub fn left_face(&self) -> Vec<DVec2> {
         self.offset_line(0.5 * self.width)
     }
 
-    /// The inner face of the right wall, from start to goal.
+    /// Returns the inner face of the right wall, from start to goal.
     pub fn right_face(&self) -> Vec<DVec2> {
         self.offset_line(-0.5 * self.width)
     }
 
-    /// Length of the centreline in metres, end to end.
+    /// Returns the length of the centreline in metres, from end to end.
     pub fn length(&self) -> f64 {
         let legs: f64 = self.legs.iter().map(|leg| (leg.to - leg.from).length()).sum();
         let corners = (self.legs.len() - 1) as f64;
         legs - corners * self.arc_radius * (2.0 - FRAC_PI_2)
     }
 
-    /// Where a robot starts: in the first cell, looking down the corridor.
+    /// Returns the pose in which a robot starts: in the first cell, facing along the corridor.
     pub fn start(&self) -> Pose {
         self.start
     }
 
-    /// Where it should go: the last cell.
+    /// Returns the pose that the robot should reach: in the last cell.
     pub fn goal(&self) -> Pose {
         self.goal
     }
 
-    /// The line at `offset` metres to the left of the centreline.
+    /// Returns the line at `offset` metres to the left of the centreline.
     pub(super) fn offset_line(&self, offset: f64) -> Vec<DVec2> {
         let mut line = Vec::with_capacity(2 * self.legs.len());
         for (k, leg) in self.legs.iter().enumerate() {
@@ -159,7 +159,7 @@ impl HallwayLayout {
         line
     }
 
-    /// The straight run along leg `k` of the line at `offset` metres to the left: both ends.
+    /// Returns both ends of the straight part, along leg `k`, of the line at `offset` metres to the left.
     pub(super) fn run(&self, k: usize, offset: f64) -> (DVec2, DVec2) {
         let leg = self.legs[k];
         let shift = |corner: Option<Corner>| match corner {
@@ -175,7 +175,7 @@ impl HallwayLayout {
         )
     }
 
-    /// The corner at the end of leg `k`; `None` at the hallway's end.
+    /// Returns the corner at the end of leg `k`; `None` at the hallway's end.
     pub(super) fn corner(&self, k: usize) -> Option<Corner> {
         let (leg, next) = (self.legs.get(k)?, self.legs.get(k + 1)?);
         Some(Corner {
@@ -207,19 +207,19 @@ impl HallwayLayout {
 pub(super) struct Corner {
     entry: DVec2,
     exit: DVec2,
-    /// 1 to the left, -1 to the right.
+    /// 1 for a turn to the left, -1 for a turn to the right.
     pub(super) turn: f64,
     center: DVec2,
     radius: f64,
 }
 
 impl Corner {
-    /// The radius of the line at `offset` metres to the left of the centreline, at least 0.
+    /// Returns the radius of the line at `offset` metres to the left of the centreline; at least 0.
     pub(super) fn face_radius(&self, offset: f64) -> f64 {
         (self.radius - self.turn * offset).max(0.0)
     }
 
-    /// `pieces + 1` points of a concentric arc, from entry to exit.
+    /// Returns the `pieces + 1` points of a concentric arc, from entry to exit.
     pub(super) fn arc(&self, radius: f64, pieces: usize) -> Vec<DVec2> {
         let (first, last) = (-self.exit, self.entry);
         (0..=pieces)
@@ -242,8 +242,8 @@ impl Corner {
     }
 }
 
-/// How many chords a quarter circle takes to stay within [`CHORD_TOLERANCE`]; at most 64, so that
-/// huge corridors stay cheap.
+/// Returns the number of chords that keeps a quarter circle within [`CHORD_TOLERANCE`]; at most 64, so that huge
+/// corridors remain cheap.
 fn arc_pieces(radius: f64) -> usize {
     let half_step = libm::acos((1.0 - CHORD_TOLERANCE / radius.max(CHORD_TOLERANCE)).max(0.0));
     ((FRAC_PI_2 / (2.0 * half_step)).ceil() as usize).clamp(4, 64)

@@ -1,4 +1,4 @@
-//! Measures of a hallway, and what the chain expects for them.
+//! Metrics of a hallway, and the values that the chain predicts for them.
 
 use serde::Serialize;
 
@@ -6,22 +6,22 @@ use super::blueprint::Hallway;
 use super::chain::{HallwayChain, Proportion};
 use super::feature;
 
-/// Numbers that describe a hallway.
+/// The metrics of a hallway.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HallwayMetrics {
     /// Number of turns.
     pub turns: u64,
-    /// Number of turns that the chain expects for this start and length.
+    /// Expected number of turns of the chain for this start and length.
     pub turns_expected: f64,
-    /// Turns among the transitions that leave a straight segment.
+    /// Share of turns among the transitions that leave a straight segment.
     pub p_st: Proportion,
-    /// Turns among the transitions that leave a turn.
+    /// Share of turns among the transitions that leave a turn.
     pub p_tt: Proportion,
     /// Length of the centreline in metres.
     pub length: f64,
-    /// Alcoves, door frames and narrow places that were placed.
+    /// Number of alcoves, door frames and narrow places that were placed.
     pub features: u64,
-    /// Features that were dropped because there was no room for them.
+    /// Number of features that were dropped because there was no room for them.
     pub features_dropped: u64,
 }
 

@@ -1,11 +1,11 @@
-//! Markov hallways: corridors whose turns follow a Markov chain and that never cross themselves.
+//! Markov hallways: corridors whose turns follow a Markov chain, and which never cross themselves.
 //!
-//! Source: C. Richter, W. Vega-Brown and N. Roy, Markov Chain Hallway and Poisson Forest
-//! Environment Generating Distributions, MIT-CSAIL-TR-2015-014, section 1, <https://studylib.net/doc/10593763/>.
+//! Source: C. Richter, W. Vega-Brown and N. Roy, Markov Chain Hallway and Poisson Forest Environment Generating
+//! Distributions, MIT-CSAIL-TR-2015-014, section 1, <https://studylib.net/doc/10593763/>.
 //!
-//! - [`HallwayChain`]: the eight states, the transition matrix, its stationary law, sampling and
-//!   estimation from a history of states.
-//! - [`HallwaySpec`] and [`Hallway`]: the settings, and the states that were drawn.
+//! - [`HallwayChain`]: the eight states, the transition matrix and its stationary distribution, sampling, and
+//!   estimation from a sequence of states.
+//! - [`HallwaySpec`] and [`Hallway`]: the settings, and the drawn states.
 //! - [`HallwayLayout`]: the corridor's centreline and walls in metres.
 
 mod blueprint;

@@ -8,7 +8,8 @@ use crate::error::SpecError;
 use crate::settings;
 use crate::world::{MAX_COORDINATE, WALL};
 
-/// Written where it is set, so that the files of other hallways stay as they were before it existed.
+/// Whether the height is the default, which files omit, so that the files of other hallways are the same as before
+/// the setting existed.
 fn is_wall_height(value: &f64) -> bool {
     *value == WALL.top()
 }
@@ -71,12 +72,12 @@ settings! {
     }
 }
 
-/// The first state of a hallway: 1 to 8 or `stationary`.
+/// The first state of a hallway: 1 to 8, or `stationary`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// This state.
+    /// A given state.
     State(State),
-    /// Drawn from the stationary law.
+    /// A state drawn from the stationary distribution.
     Stationary,
 }
 
@@ -93,7 +94,7 @@ impl<'de> Deserialize<'de> for Start {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         const ALLOWED: &str = "a state from 1 to 8 or stationary";
 
-        /// RON reads a bare word as text too.
+        /// The forms of the setting in files. RON reads a bare word as text, too.
         #[derive(Deserialize)]
         #[serde(untagged, expecting = "a state from 1 to 8 or stationary")]
         enum Written {
@@ -114,14 +115,14 @@ impl<'de> Deserialize<'de> for Start {
     }
 }
 
-/// How a hallway's walls turn.
+/// The form of a hallway's walls at turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Corners {
-    /// At right angles.
+    /// The walls turn at right angles.
     Square,
-    /// Along arcs around a common centre.
+    /// The walls turn along arcs around a common centre.
     Rounded,
 }
 
@@ -130,9 +131,9 @@ pub enum Corners {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Ends {
-    /// A wall at each.
+    /// There is a wall at each end.
     Closed,
-    /// No wall.
+    /// The ends are open.
     Open,
 }
 
@@ -147,7 +148,7 @@ pub(super) const RULES: &[&str] = &[
 ];
 
 impl HallwaySpec {
-    /// Checks every field, and the fields together.
+    /// Checks every field, and the rules about several fields.
     pub(super) fn check(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         self.check_spacing()?;
@@ -155,8 +156,8 @@ impl HallwaySpec {
         self.check_features()
     }
 
-    /// Parallel arms must not share space: with U-turns they lie in neighbouring rows of cells,
-    /// without in every other row.
+    /// Checks that parallel arms do not share space. With U-turns they lie in neighbouring rows of cells, otherwise
+    /// in every other row.
     fn check_spacing(&self) -> Result<(), SpecError> {
         let (rows, rule) = if self.p_tt > 0.0 { (1.0, "p_tt > 0") } else { (2.0, "p_tt = 0") };
         let room = rows * self.pitch;
@@ -180,7 +181,7 @@ impl HallwaySpec {
         ))
     }
 
-    /// A hallway without turns must end inside the largest world.
+    /// Checks that a hallway without turns ends inside the largest world.
     fn check_extent(&self) -> Result<(), SpecError> {
         // Walls, alcoves and ends extend beyond the cells of the segments by at most four cells.
         let cells = self.segments as f64 + 4.0;

@@ -1,11 +1,11 @@
-//! The states of the chain: the direction of a segment, and what can follow it.
+//! The states of the chain: the direction of a segment, and the segments that can follow it.
 
 use std::fmt;
 
 use glam::DVec2;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-/// A state of the chain, 1 to 8 as the paper numbers them.
+/// A state of the chain, numbered 1 to 8 as in the paper.
 ///
 /// | state | segment | after | straight on | turn next |
 /// |---|---|---|---|---|
@@ -32,7 +32,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct State(u8);
 
-/// The next state of each state 1..=8: straight, turn.
+/// The states that can follow each state 1..=8: a straight segment, a turn.
 const NEXT: [[u8; 2]; 9] = [[0, 0], [1, 7], [2, 8], [3, 5], [4, 6], [1, 7], [3, 5], [2, 8], [4, 6]];
 
 impl State {
@@ -40,43 +40,43 @@ impl State {
     pub const ALL: [State; 8] =
         [State(1), State(2), State(3), State(4), State(5), State(6), State(7), State(8)];
 
-    /// A straight segment that goes up after a left turn: where a hallway starts by default.
+    /// A straight segment that goes up after a left turn: the default start of a hallway.
     pub const UP: State = State(3);
 
-    /// The state of a number; `None` outside 1..=8.
+    /// Returns the state with a number; `None` outside 1..=8.
     pub const fn new(number: u8) -> Option<State> {
         if number >= 1 && number <= 8 { Some(State(number)) } else { None }
     }
 
-    /// The paper's number, 1..=8.
+    /// Returns the number of the state in the paper, 1..=8.
     pub const fn number(self) -> u8 {
         self.0
     }
 
-    /// Whether it is one of the four turns.
+    /// Returns whether the state is one of the four turns.
     pub const fn is_turn(self) -> bool {
         self.0 > 4
     }
 
-    /// The straight segment that can follow.
+    /// Returns the state of the straight segment that can follow.
     #[inline]
     pub const fn straight(self) -> State {
         self.next(false)
     }
 
-    /// The turn that can follow.
+    /// Returns the state of the turn that can follow.
     #[inline]
     pub const fn turn(self) -> State {
         self.next(true)
     }
 
-    /// The turn or the straight segment that can follow.
+    /// Returns the state of the turn, or of the straight segment, that can follow.
     #[inline]
     pub(super) const fn next(self, turns: bool) -> State {
         State(NEXT[self.0 as usize][turns as usize])
     }
 
-    /// Unit vector of the direction in which the segment is entered.
+    /// Returns the unit vector of the direction in which the segment is entered.
     #[inline]
     pub const fn entry(self) -> DVec2 {
         match self.0 {
@@ -86,8 +86,8 @@ impl State {
         }
     }
 
-    /// Unit vector of the direction in which the segment is left. It is never down, which is why a hallway
-    /// cannot cross itself.
+    /// Returns the unit vector of the direction in which the segment is left. It never points down, so that a
+    /// hallway cannot cross itself.
     #[inline]
     pub const fn exit(self) -> DVec2 {
         match self.0 {

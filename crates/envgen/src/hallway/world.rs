@@ -1,4 +1,4 @@
-//! From a hallway's layout to a world.
+//! Builds the world of a hallway from its layout.
 
 use glam::DVec2;
 
@@ -10,7 +10,7 @@ use crate::generate::Spec;
 use crate::geometry::{Rect, Shape, signed_area};
 use crate::world::{Claim, Extent, Obstacle, ObstacleKind, WALL, Wall, WallKind, World};
 
-/// Shorter runs, in metres, are rounding: the walls beside them meet without a run between.
+/// Runs that are shorter than this, in metres, are due to rounding; the walls beside them meet without a run.
 const SHORTEST_RUN: f64 = 1e-9;
 
 pub(super) fn world(hallway: &Hallway) -> World {
@@ -51,8 +51,8 @@ pub(super) fn world(hallway: &Hallway) -> World {
     world
 }
 
-/// The least clear width of the corridor in metres: beside door frames and crates, and between two
-/// that follow each other, where the path may lead from one side to the other.
+/// Returns the least clear width of the corridor in metres: beside door frames and crates, and between two that
+/// follow each other, where the path may lead from one side to the other.
 fn narrowest(features: &[Feature], spec: &HallwaySpec) -> f64 {
     let in_the_way: Vec<_> = features.iter().filter(|f| f.kind != FeatureKind::Alcove).collect();
     let beside = in_the_way.iter().map(|feature| match feature.kind {
@@ -68,7 +68,7 @@ fn narrowest(features: &[Feature], spec: &HallwaySpec) -> f64 {
     beside.chain(between).fold(spec.width, f64::min)
 }
 
-/// All walls along one side: straight runs with gaps for alcoves, the alcoves, and the corners.
+/// Adds all walls along one side: straight runs with gaps for alcoves, the alcoves, and the corners.
 fn side_walls(
     layout: &HallwayLayout,
     spec: &HallwaySpec,
@@ -115,7 +115,7 @@ fn side_walls(
     }
 }
 
-/// The two sides and the back of an alcove that opens between `a` and `b`.
+/// Adds the two sides and the back of an alcove that opens between `a` and `b`.
 fn alcove_walls(a: DVec2, b: DVec2, outward: DVec2, spec: &HallwaySpec, walls: &mut Vec<Wall>) {
     let along = (b - a).normalize();
     let (depth, wall) = (spec.alcove_depth, spec.wall_thickness);
@@ -127,7 +127,7 @@ fn alcove_walls(a: DVec2, b: DVec2, outward: DVec2, spec: &HallwaySpec, walls: &
     walls.extend(shapes.map(|shape| Wall::new(WallKind::Alcove, shape)));
 }
 
-/// The wall along a rounded corner, in convex pieces.
+/// Adds the wall along a rounded corner, in convex pieces.
 fn arc_walls(
     corner: &Corner,
     offset: f64,
@@ -152,7 +152,7 @@ fn arc_walls(
     }
 }
 
-/// The obstacles in the corridor: the posts of a door frame, or a crate.
+/// Returns the obstacles of a feature in the corridor: the posts of a door frame, or a crate.
 fn obstacles(feature: &Feature, spec: &HallwaySpec) -> Vec<Obstacle> {
     let along = feature.direction * (0.5 * feature.length);
     let left = feature.direction.perp();
@@ -176,7 +176,7 @@ fn obstacles(feature: &Feature, spec: &HallwaySpec) -> Vec<Obstacle> {
     }
 }
 
-/// The axis-aligned box beside the line from `a` to `b` that reaches from `near` to `far` metres in
+/// Returns the axis-aligned box beside the line from `a` to `b` that extends from `near` to `far` metres in the
 /// direction `outward`.
 fn block(a: DVec2, b: DVec2, outward: DVec2, near: f64, far: f64) -> Shape {
     let (p, q) = (a + outward * near, b + outward * far);
