@@ -1,11 +1,11 @@
-//! The field of blocks that is generated from a spec.
+//! The blueprint of a block field: the field that is generated from a spec.
 
 use serde::{Serialize, Serializer};
 
 use super::spec::CellularSpec;
 use crate::seed::Seed;
 
-/// A field of filled and free cells, with the spec and seed that it was generated from. Cells are listed row by
+/// A field of filled and free cells, with the spec and seed from which it was generated. Cells are listed row by
 /// row from the top, each row from the left.
 ///
 /// ```
@@ -33,52 +33,52 @@ pub struct BlockField {
 }
 
 impl BlockField {
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.spec.rows as usize
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn cols(&self) -> usize {
         self.spec.cols as usize
     }
 
-    /// Whether each cell is filled.
+    /// Returns for each cell whether it is filled.
     pub fn cells(&self) -> &[bool] {
         &self.cells
     }
 
-    /// Whether each cell is one that the robot's middle cannot be in.
+    /// Returns for each cell whether the robot's centre cannot be in it.
     pub fn c_space(&self) -> &[bool] {
         &self.blocked
     }
 
-    /// The cell in which the robot starts, as row and column; `None` where nothing is free at the left side.
+    /// Returns the cell in which the robot starts, as row and column; `None` if no cell at the left side is free.
     pub fn start(&self) -> Option<[u32; 2]> {
         self.start.map(|cell| self.place(cell))
     }
 
-    /// The cell that the robot should go to, as row and column; `None` where nothing is free at the right side.
+    /// Returns the cell that the robot should reach, as row and column; `None` if no cell at the right side is free.
     pub fn goal(&self) -> Option<[u32; 2]> {
         self.goal.map(|cell| self.place(cell))
     }
 
-    /// Cells that were filled before smoothing.
+    /// Returns the number of cells that were filled before smoothing.
     pub fn drawn_filled(&self) -> u64 {
         self.drawn_filled
     }
 
-    /// Fields that were drawn before this one and not accepted.
+    /// Returns the number of fields that were drawn before this one and not accepted.
     pub fn rejected(&self) -> u64 {
         self.rejected
     }
 
-    /// The settings.
+    /// Returns the spec.
     pub fn spec(&self) -> &CellularSpec {
         &self.spec
     }
 
-    /// The seed that it was drawn with.
+    /// Returns the seed with which the field was drawn.
     pub fn seed(&self) -> Seed {
         self.seed
     }

@@ -1,9 +1,10 @@
-//! Configuration space: the cells that a robot's middle can be in, and their regions.
+//! Configuration space: the cells in which a robot's centre can be, and their regions.
 
 use crate::flood::flood;
 
-/// The cells that a robot cannot be in: those with a filled cell in the square of `radius` cells around them.
-/// Beyond the grid nothing is filled. The grid has `cols` cells per row; O(cells).
+/// Returns for each cell whether a robot cannot be in it: whether there is a filled cell in the square of `radius`
+/// cells around it. Cells beyond the grid are not filled. The grid has `cols` cells per row. It takes time
+/// proportional to the number of cells.
 ///
 /// ```
 /// use envgen::cellular::c_space;
@@ -33,7 +34,7 @@ pub fn c_space(cols: usize, filled: &[bool], radius: usize) -> Vec<bool> {
     blocked
 }
 
-/// Marks the cells of a line that have a filled one at most `radius` away.
+/// Marks the cells of a row or column that have a filled cell at most `radius` cells away.
 fn spread(len: usize, radius: usize, filled: impl Fn(usize) -> bool, mut mark: impl FnMut(usize)) {
     let mut marked = 0;
     for i in (0..len).filter(|&i| filled(i)) {
@@ -43,8 +44,8 @@ fn spread(len: usize, radius: usize, filled: impl Fn(usize) -> bool, mut mark: i
     }
 }
 
-/// For each cell the number of its region, from 1 on, 0 where a robot cannot be; and the sizes of the regions,
-/// that of region `k` at `k - 1`. Cells are joined by their sides.
+/// Returns for each cell the number of its region, counted from 1, or 0 where a robot cannot be; and the sizes of
+/// the regions, with that of region `k` at index `k - 1`. Cells are joined by their sides.
 pub(super) fn regions(cols: usize, blocked: &[bool]) -> (Vec<u32>, Vec<u32>) {
     let mut open: Vec<bool> = blocked.iter().map(|blocked| !blocked).collect();
     let (mut numbers, mut sizes) = (vec![0; blocked.len()], Vec::new());

@@ -1,14 +1,14 @@
-//! Why a block field could not be generated.
+//! Errors of generating block fields.
 
 use thiserror::Error;
 
 use crate::error::SpecError;
 
-/// Why a block field could not be generated.
+/// The reasons why a block field could not be generated.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CellularError {
-    /// The spec asks for something that is not allowed.
+    /// The spec has a setting that is not allowed.
     #[error(transparent)]
     Spec(#[from] SpecError),
     /// No field was accepted.
@@ -17,7 +17,7 @@ pub enum CellularError {
          `attempts` or another `acceptance`"
     )]
     Attempts {
-        /// The fields that were drawn.
+        /// Number of fields that were drawn.
         attempts: u64,
     },
 }

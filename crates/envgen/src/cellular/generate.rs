@@ -1,4 +1,4 @@
-//! From a spec and a seed to a block field.
+//! Generates a block field from a spec and a seed.
 
 use super::blueprint::BlockField;
 use super::c_space::{c_space, regions};
@@ -6,7 +6,7 @@ use super::error::CellularError;
 use super::spec::{Acceptance, CellularSpec, Ends};
 use crate::seed::{Seed, Stream};
 
-/// The field of a valid spec.
+/// Generates the block field of a valid spec.
 pub(super) fn field(spec: &CellularSpec, seed: Seed) -> Result<BlockField, CellularError> {
     for attempt in 0..spec.attempts {
         let drawn = random_fill(spec, &mut seed.attempt("cellular/fill", 0, attempt));
@@ -41,7 +41,7 @@ pub(super) fn field(spec: &CellularSpec, seed: Seed) -> Result<BlockField, Cellu
     Err(CellularError::Attempts { attempts: spec.attempts })
 }
 
-/// Fills closed sides, and each other cell by chance.
+/// Fills the cells along closed sides, and each other cell at random.
 fn random_fill(spec: &CellularSpec, stream: &mut Stream) -> Vec<bool> {
     let (rows, cols, sides) = (spec.rows, spec.cols, spec.open_sides);
     let mut cells = Vec::with_capacity(spec.cells() as usize);
@@ -55,8 +55,9 @@ fn random_fill(spec: &CellularSpec, stream: &mut Stream) -> Vec<bool> {
     cells
 }
 
-/// One pass of smoothing: every cell by the neighbours it had before the pass. Beyond closed sides all is
-/// filled, beyond open ones nothing; beyond a corner, what the rows above and below have.
+/// Makes one pass of smoothing, in which every cell depends on the neighbours that it had before the pass. All
+/// cells beyond closed sides count as filled, all cells beyond open sides as free. A cell beyond a corner counts
+/// like the row above or below the field.
 fn smoothed(spec: &CellularSpec, cells: &[bool]) -> Vec<bool> {
     let (rows, cols) = (spec.rows as isize, spec.cols as isize);
     let is_filled = |row: isize, col: isize| {
@@ -91,11 +92,11 @@ fn smoothed(spec: &CellularSpec, cells: &[bool]) -> Vec<bool> {
     next
 }
 
-/// The left and the right side of a field that is accepted.
+/// The left and the right side of an accepted field.
 struct Sides {
-    /// Whether a robot can go from the one to the other.
+    /// Whether a robot can go from one side to the other.
     is_crossed: bool,
-    /// The cells of each in which start and goal can be, from the top.
+    /// The cells at each side in which start and goal can be, from the top.
     cells: [Vec<u32>; 2],
 }
 
@@ -130,7 +131,7 @@ fn accepted(spec: &CellularSpec, blocked: &[bool]) -> Option<Sides> {
     is_accepted.then(|| Sides { is_crossed, cells: [cells(left, at_left), cells(right, at_right)] })
 }
 
-/// One of the cells of a side, which are in order from the top; `None` where the side has no such cell.
+/// Returns one of the cells of a side, which are listed from the top; `None` if the side has no such cell.
 fn end(spec: &CellularSpec, cells: &[u32], stream: &mut Stream) -> Option<u32> {
     match spec.ends {
         Ends::Random if cells.is_empty() => None,
@@ -145,8 +146,8 @@ fn end(spec: &CellularSpec, cells: &[u32], stream: &mut Stream) -> Option<u32> {
     }
 }
 
-/// The cells nearest to the middle of the first and of the last column, in the largest regions that reach them,
-/// of a grid with these blocked cells.
+/// Returns the cells that are nearest to the middle of the first and of the last column of a grid with these
+/// blocked cells, in the largest regions that reach these columns.
 #[cfg(feature = "barn")]
 pub(crate) fn middle_ends(cols: usize, blocked: &[bool], robot_cells: usize) -> [Option<usize>; 2] {
     let spec = CellularSpec {

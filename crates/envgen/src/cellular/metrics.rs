@@ -1,4 +1,4 @@
-//! Measures of a block field.
+//! Metrics of a block field.
 
 use serde::Serialize;
 
@@ -6,11 +6,11 @@ use super::blueprint::BlockField;
 use super::path::CheapestPaths;
 use crate::difficulty::{BarnMetrics, BarnMode};
 
-/// Numbers that describe a block field.
+/// The metrics of a block field.
 ///
-/// The last six describe the path from start to goal through the cells that the robot's middle can be in,
-/// which keeps away from blocks; they are absent where no such path exists. Five of them are BARN's metrics, as its
-/// code computes them ([`BarnMode::Reference`]).
+/// The last six describe the path from start to goal through the cells in which the robot's centre can be, which
+/// keeps away from blocks. They are absent if no such path exists. Five of them are BARN's metrics, as its code
+/// computes them ([`BarnMode::Reference`]).
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, cellular::CellularSpec};
@@ -24,13 +24,13 @@ use crate::difficulty::{BarnMetrics, BarnMode};
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellularMetrics {
-    /// Share of cells that were filled before smoothing, closed sides included.
+    /// Share of cells that were filled before smoothing, including those along closed sides.
     pub filled_before_smoothing: f64,
     /// Share of cells that are filled.
     pub filled: f64,
-    /// Share of cells that the robot's middle can be in.
+    /// Share of cells in which the robot's centre can be.
     pub free: f64,
-    /// Fields that were drawn before this one and not accepted.
+    /// Number of fields that were drawn before this one and not accepted.
     pub rejected: u64,
     /// Length of the path in metres.
     pub path_length: Option<f64>,
@@ -42,7 +42,7 @@ pub struct CellularMetrics {
     pub dispersion: Option<f64>,
     /// Mean of the least free length along four axes, in cells.
     pub characteristic_dimension_cells: Option<f64>,
-    /// Length of the path by the distance of its ends; absent where they are the same too.
+    /// Length of the path divided by the distance between its ends; absent also where both are the same cell.
     pub tortuosity: Option<f64>,
 }
 
@@ -70,7 +70,7 @@ pub(super) fn measure(field: &BlockField) -> CellularMetrics {
     }
 }
 
-/// The length of a path of neighbouring cells, in cells.
+/// Returns the length of a path of neighbouring cells, in cells.
 fn length(cols: usize, path: &[usize]) -> f64 {
     let is_diagonal =
         |pair: &&[usize]| pair[0] / cols != pair[1] / cols && pair[0] % cols != pair[1] % cols;

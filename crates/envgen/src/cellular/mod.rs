@@ -1,12 +1,12 @@
-//! Block fields: blocks grown by a cellular automaton, to be crossed from left to right.
+//! Block fields: blocks grown by a cellular automaton, which a robot should cross from left to right.
 //!
 //! Source: the generator of BARN: D. Perille, A. Truong, X. Xiao and P. Stone, Benchmarking Metric Ground
-//! Navigation, SSRR 2020, arXiv:2008.13315. Cells are filled by chance and smoothed; the fields that a robot of
-//! some cells' width can cross are accepted.
+//! Navigation, SSRR 2020, arXiv:2008.13315. Cells are filled at random and smoothed. A field is accepted if a robot
+//! with a width of some cells can cross it.
 //!
-//! - [`CellularSpec`] and [`BlockField`]: the settings, and the field.
-//! - [`CellularMetrics`]: measures of a field, with BARN's five.
-//! - [`c_space`]: the cells that a robot's middle can be in.
+//! - [`CellularSpec`] and [`BlockField`]: the settings, and the generated field.
+//! - [`CellularMetrics`]: metrics of a field, including BARN's five.
+//! - [`c_space`]: the cells in which a robot's centre can be.
 
 mod blueprint;
 mod c_space;

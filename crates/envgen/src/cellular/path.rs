@@ -1,27 +1,27 @@
-//! Paths that keep away from blocks, as BARN's.
+//! Paths that keep away from blocks, like those of BARN.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use crate::distance::squared_distances;
 
-/// The greatest distance in metres at which a blocked cell makes a step longer: the inflation radius of the
-/// planner that BARN was made for.
+/// The greatest distance in metres at which a blocked cell makes a step longer. It is the inflation radius of the
+/// planner for which BARN was made.
 const INFLATION: f64 = 0.3;
 
-/// A step to a cell beside a blocked one is longer by this many cells, to farther ones by this divided by the
-/// distance in cells.
+/// A step to a cell beside a blocked cell is longer by this many cells; a step to a cell farther from it, by this
+/// divided by the distance in cells.
 const PENALTY: f64 = 5.0;
 
-/// The cheapest paths from one free cell over cells of `side` metres. A step to one of eight neighbours costs
-/// its length and the penalty of the cell it goes to; it does not go between two blocked cells that touch at a
-/// corner.
+/// The cheapest paths from one free cell, over cells of `side` metres. A step to one of the eight neighbours costs
+/// its length and the penalty of the cell to which it leads. No step leads between two blocked cells that touch at
+/// a corner.
 ///
-/// BARN's own search adds the penalty to the order in which cells are visited and not to the cost, and turns
-/// by at most 45 degrees a step; these paths are the best of the cost that they mean.
+/// BARN's own search adds the penalty to the order in which cells are visited but not to the cost, and turns by at
+/// most 45 degrees per step. The paths here are optimal for the cost that its authors intended.
 pub(crate) struct CheapestPaths {
     start: usize,
-    /// The cell before each cell; [`NONE`] where it was not reached.
+    /// The predecessor of each cell; [`NONE`] for cells that were not reached.
     before: Vec<usize>,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct CheapestPaths {
 const NONE: usize = usize::MAX;
 
 impl CheapestPaths {
-    /// Paths to all cells, or, where a goal is given, to it.
+    /// Finds paths to all cells or, if a goal is given, to the goal.
     pub(crate) fn new(
         cols: usize,
         blocked: &[bool],
@@ -79,13 +79,13 @@ impl CheapestPaths {
         CheapestPaths { start, before }
     }
 
-    /// Whether a path leads to a cell.
+    /// Whether there is a path to a cell.
     #[cfg(feature = "rmf")]
     pub(crate) fn reaches(&self, cell: usize) -> bool {
         cell == self.start || self.before[cell] != NONE
     }
 
-    /// The path to a cell, both ends included; `None` where no path exists.
+    /// Returns the path to a cell, including both ends; `None` if no path exists.
     pub(crate) fn to(&self, goal: usize) -> Option<Vec<usize>> {
         let before = |&cell: &usize| Some(self.before[cell]).filter(|&cell| cell != NONE);
         let mut path: Vec<_> = std::iter::successors(Some(goal), before).collect();

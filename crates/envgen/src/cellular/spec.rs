@@ -6,7 +6,7 @@ use strum::VariantNames;
 use crate::error::SpecError;
 use crate::settings;
 
-/// The most cells that the attempts of one world may visit, over all passes: some seconds.
+/// The greatest number of cells that the attempts of one world may visit, over all passes; it takes some seconds.
 pub const MAX_VISITS: u64 = 1 << 30;
 
 settings! {
@@ -57,11 +57,11 @@ settings! {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum OpenSides {
-    /// None: the outermost cells are all filled.
+    /// No side: the outermost cells are all filled.
     None,
-    /// Left and right, as in BARN: the first and the last row are filled.
+    /// The left and the right side, as in BARN; the first and the last row are filled.
     LeftRight,
-    /// All four.
+    /// All four sides.
     All,
 }
 
@@ -77,30 +77,31 @@ impl OpenSides {
     }
 }
 
-/// Which fields are accepted. Regions consist of the cells that a robot's middle can be in, joined by their
-/// sides; a region reaches a side of the field if it has one of the cells nearest to it.
+/// Which fields are accepted. Regions consist of the cells in which a robot's centre can be, joined by their sides.
+/// A region reaches a side of the field if it contains one of the cells that are nearest to that side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Acceptance {
-    /// As in BARN: the largest of the regions that reach the left side is the largest of those that reach
-    /// the right side.
+    /// As in BARN: the largest of the regions that reach the left side is also the largest of those that reach the
+    /// right side.
     LargestRegions,
     /// Some region reaches both sides.
     Crossing,
-    /// All of them.
+    /// All fields.
     All,
 }
 
-/// Where start and goal are, among the cells nearest to the left and to the right side in the largest region
-/// that reaches it; where fields are accepted that have some crossing, in the largest region that crosses.
+/// Where start and goal are: among the cells nearest to the left and to the right side, in the largest region that
+/// reaches the side; or, if fields are accepted that have any crossing, in the largest region that crosses the
+/// field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Ends {
-    /// In any of them, as in BARN.
+    /// In any of these cells at random, as in BARN.
     Random,
-    /// In that nearest to the middle of the side, of two the upper one.
+    /// In the cell that is nearest to the middle of the side; of two such cells, in the upper one.
     Middle,
 }
 
@@ -112,7 +113,7 @@ pub(super) const RULES: &[&str] = &[
 ];
 
 impl CellularSpec {
-    /// Checks every field, and the fields together.
+    /// Checks every field, and the rules about several fields.
     pub(super) fn check(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         if self.clear_to >= self.fill_from {
@@ -147,12 +148,12 @@ impl CellularSpec {
         Ok(())
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub(super) fn cells(&self) -> u64 {
         self.rows * self.cols
     }
 
-    /// The columns of the cells nearest to the left and to the right side that can be free.
+    /// Returns the columns of the cells nearest to the left and to the right side that can be free.
     pub(super) fn end_columns(&self) -> [usize; 2] {
         let inset = if self.open_sides.closes_cols() { 1 + self.robot_cells } else { 0 };
         [inset as usize, (self.cols - 1 - inset) as usize]

@@ -1,4 +1,4 @@
-//! From a block field to a world.
+//! Builds the world of a block field.
 
 use glam::DVec2;
 
@@ -8,7 +8,7 @@ use crate::geometry::Pose;
 use crate::landscape::outlines;
 use crate::world::{Claim, ClassRaster, Obstacle, ObstacleKind, World};
 
-/// The promise is made for a disc of this share of the distance that the free cells guarantee.
+/// The share of the distance guaranteed by the free cells that the promised disc takes.
 const PROMISED: f64 = 0.9;
 
 /// The class of filled cells in the raster from which outlines are made.
