@@ -1,4 +1,4 @@
-//! The trees that are drawn for a forest.
+//! The blueprint of a forest: the trees that were drawn for it.
 
 use serde::ser::SerializeSeq;
 use serde::{Serialize, Serializer};
@@ -7,7 +7,7 @@ use super::spec::ForestSpec;
 use crate::seed::Seed;
 use crate::world::Tree;
 
-/// The trees of a forest, with the spec and seed that they were drawn for.
+/// The trees of a forest, with the spec and seed from which they were drawn.
 ///
 /// ```
 /// use envgen::{Seed, Spec, forest::ForestSpec};
@@ -27,33 +27,33 @@ pub struct Forest {
     pub(super) spec: ForestSpec,
     pub(super) seed: Seed,
     pub(super) edited: bool,
-    /// Whether a law that is not the spec's gave the radii.
+    /// Whether a distribution other than the spec's gave the radii.
     pub(super) custom_radii: bool,
 }
 
 impl Forest {
-    /// The trees, in the order in which they were drawn.
+    /// Returns the trees, in the order in which they were drawn.
     pub fn trees(&self) -> &[Tree] {
         &self.trees
     }
 
-    /// How many trees the clearings removed.
+    /// Returns the number of trees that were removed to make the clearings.
     pub fn cleared(&self) -> u64 {
         self.cleared
     }
 
-    /// The settings.
+    /// Returns the spec.
     pub fn spec(&self) -> &ForestSpec {
         &self.spec
     }
 
-    /// The seed that it was drawn with.
+    /// Returns the seed with which the forest was drawn.
     pub fn seed(&self) -> Seed {
         self.seed
     }
 
-    /// Whether a density function replaced the spec's intensity, which is then the greatest value of
-    /// that function, or another law the spec's law of radii, which is then uniform.
+    /// Returns whether a density function or another distribution of radii replaced the spec's own. The spec's
+    /// intensity is then the greatest value of that function, or its law of radii is `uniform`, respectively.
     pub fn edited(&self) -> bool {
         self.edited
     }
@@ -73,7 +73,7 @@ impl Serialize for Forest {
     }
 }
 
-/// Trees as `[x, y, radius]`.
+/// Serialises trees as `[x, y, radius]`.
 struct Triples<'a>(&'a [Tree]);
 
 impl Serialize for Triples<'_> {

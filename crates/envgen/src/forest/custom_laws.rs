@@ -1,4 +1,4 @@
-//! Forests drawn from laws of the caller.
+//! Forests drawn from distributions of the caller.
 
 use rand::distr::Distribution;
 
@@ -11,9 +11,9 @@ use crate::distribution::{Law, law};
 use crate::generate::Spec;
 use crate::seed::Seed;
 
-/// What replaces the laws of a [`ForestSpec`] in [`ForestSpec::generate_with_laws`].
+/// Distributions that replace those of a [`ForestSpec`] in [`ForestSpec::generate_with_laws`].
 ///
-/// Trunks as a log-normal law gives them, kept within the limits of the spec:
+/// For example, radii of trunks from a log-normal distribution, truncated to the limits of the spec:
 ///
 /// ```
 /// use envgen::distribution::Truncated;
@@ -29,9 +29,8 @@ use crate::seed::Seed;
 /// assert!(forest.trees().iter().all(|tree| (0.05..=1.0).contains(&tree.radius)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-///
-/// Foresters describe the diameters of a stand by a Weibull law; a law that may leave the limits is
-/// refused where it does:
+/// Foresters describe the diameters of trees by a Weibull distribution. A distribution that is not truncated gives
+/// an error if a value exceeds the limits:
 ///
 /// ```
 /// # use envgen::forest::{ForestError, ForestLaws, ForestSpec};
@@ -57,31 +56,32 @@ pub struct ForestLaws<'a> {
 }
 
 impl<'a> ForestLaws<'a> {
-    /// None: the spec's own laws.
+    /// Creates a set without distributions, which keeps those of the spec.
     pub fn new() -> Self {
         ForestLaws::default()
     }
 
-    /// The radii of the trees in metres, from `radius_min` to `radius_max` of the spec. Its `radius`,
-    /// `radius_law` and `radius_sigma` are unused.
+    /// Sets the distribution of the trees' radii in metres, which must lie from `radius_min` to `radius_max` of the
+    /// spec. The spec's `radius`, `radius_law` and `radius_sigma` are then unused.
     pub fn radii(self, radii: impl Distribution<f64> + Send + Sync + 'a) -> Self {
         ForestLaws { radii: Some(law(radii)), ..self }
     }
 
-    /// The density, as in [`ForestSpec::generate_with`].
+    /// Sets the density, as in [`ForestSpec::generate_with`].
     pub fn density(self, density: &'a (dyn Density + Sync)) -> Self {
         ForestLaws { density: Some(density), ..self }
     }
 }
 
 impl ForestSpec {
-    /// Generates a forest from other laws than the spec's. Without any in `laws` it is the forest of
-    /// [`Spec::generate`]; otherwise the provenance cannot hold them and is therefore marked as
-    /// edited. The forest's spec then has the radius law `uniform`, which has the same limits.
+    /// Generates a forest from other distributions than the spec's. If `laws` is empty, the result is the forest of
+    /// [`Spec::generate`]. Otherwise the provenance cannot contain the distributions and is therefore marked as
+    /// edited. If the radii are replaced, the forest's spec has the radius law `uniform`, which has the same
+    /// limits.
     ///
     /// # Errors
-    /// As [`Spec::generate`], and when a law gives a value outside of its limits:
-    /// [`ForestError::Radius`] or [`ForestError::Density`].
+    /// As [`Spec::generate`], and when a distribution gives a value outside its limits: [`ForestError::Radius`] or
+    /// [`ForestError::Density`].
     pub fn generate_with_laws(
         &self,
         seed: Seed,

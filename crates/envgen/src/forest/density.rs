@@ -9,35 +9,35 @@ use crate::landscape::metrics::{RasterError, check};
 use crate::seed::Stream;
 use crate::world::ClassRaster;
 
-/// The most cells of a density map.
+/// The greatest number of cells of a density map.
 const MAX_CELLS: usize = 1 << 24;
 
 /// The greatest factor of a density map.
 const MAX_FACTOR: f64 = 1e6;
 
-/// Mean number of trees per square metre, as a function of the position.
+/// The mean number of trees per square metre, as a function of the position.
 pub trait Density {
-    /// The greatest value anywhere, in trees per square metre.
+    /// Returns the greatest value anywhere, in trees per square metre.
     fn max(&self) -> f64;
 
-    /// The value at a point, from 0 to [`Density::max`].
+    /// Returns the value at a point, from 0 to [`Density::max`].
     fn at(&self, p: DVec2) -> f64;
 
-    /// A point of `within`, drawn in proportion to the density; `None` where rejecting uniform points is
-    /// the only method to draw one.
+    /// Draws a point of `within` with a probability proportional to the density; `None` if such points can only be
+    /// drawn by rejecting uniform points.
     fn draw(&self, _within: Rect, _stream: &mut Stream) -> Option<DVec2> {
         None
     }
 
-    /// The area in square metres that discs of diameter `distance` cover at most when their
-    /// middles lie in the part of `within` where the density is not 0.
+    /// Returns the greatest area in square metres that discs of diameter `distance` can cover, if their centres lie
+    /// in the part of `within` where the density is not 0.
     fn room(&self, within: Rect, distance: f64) -> f64 {
         let size = within.size() + distance;
         size.x * size.y
     }
 }
 
-/// A density given by a function: its greatest value, and the function.
+/// A density given by its greatest value and a function.
 impl<F: Fn(DVec2) -> f64> Density for (f64, F) {
     fn max(&self) -> f64 {
         self.0
@@ -48,8 +48,8 @@ impl<F: Fn(DVec2) -> f64> Density for (f64, F) {
     }
 }
 
-/// A raster of factors on a forest's intensity, stretched over its area: rows of equal length, the
-/// top row (greatest y) first.
+/// A raster of factors on a forest's intensity, stretched over its area. All rows have the same length; the top row
+/// (greatest y) is first.
 ///
 /// ```
 /// use envgen::forest::{DensityMap, ForestSpec};
@@ -70,12 +70,12 @@ pub struct DensityMap {
 }
 
 impl DensityMap {
-    /// The map of a landscape: class `k` of the raster has the factor `factors[k - 1]`; no data and
-    /// classes without a factor have 0.
+    /// Creates the density map of a landscape: class `k` of the raster has the factor `factors[k - 1]`; no data,
+    /// and classes without a factor, have 0.
     ///
     /// # Errors
-    /// When the raster's sizes do not fit together. The factors are checked together with the spec that
-    /// the map becomes part of.
+    /// When the sizes of the raster do not fit together. The factors are checked later, together with the spec that
+    /// contains the map.
     pub fn from_classes(raster: &ClassRaster, factors: &[f64]) -> Result<Self, RasterError> {
         check(raster)?;
         let factor = |&class: &u16| {
@@ -89,7 +89,7 @@ impl DensityMap {
         Ok(DensityMap { rows })
     }
 
-    /// The greatest factor.
+    /// Returns the greatest factor.
     pub fn max(&self) -> f64 {
         self.rows.iter().flatten().copied().fold(0.0, f64::max)
     }
@@ -111,7 +111,7 @@ impl DensityMap {
         }
     }
 
-    /// The density over an area: the factors on an intensity.
+    /// Returns the density over an area: the factors times an intensity.
     pub(super) fn over(&self, area: Rect, intensity: f64) -> impl Density {
         let mut sum = 0.0;
         let sums = self.rows.iter().flatten().map(|factor| {
@@ -126,7 +126,7 @@ struct MapDensity<'a> {
     map: &'a DensityMap,
     area: Rect,
     intensity: f64,
-    /// Sum of the factors of all cells up to each one.
+    /// Cumulative sums of the factors, one per cell.
     sums: Vec<f64>,
 }
 

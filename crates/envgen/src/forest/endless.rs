@@ -1,4 +1,4 @@
-//! A forest without borders, tile by tile.
+//! Forests without borders, generated tile by tile.
 
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -15,29 +15,29 @@ use crate::geometry::Rect;
 use crate::seed::{Seed, Stream};
 use crate::world::Tree;
 
-/// The most trees that one tile may be expected to hold, before thinning.
+/// The greatest expected number of trees of one tile, before thinning.
 const MAX_TREES_A_TILE: f64 = 1e6;
 
-/// Thinning by marks keeps at most 1 / (pi d^2) trees per square metre, and needs ever more trees to
-/// choose from near that limit: up to this share of it, at most 3 per tree that stays.
+/// The greatest allowed share of the intensity 1 / (pi d^2), which is the limit of thinning by marks. Near that
+/// limit, thinning needs ever more trees to choose from; up to this share it needs at most 3 per remaining tree.
 const MOST_OF_MATERN: f64 = 0.95;
 
-/// Up to this many pairs of trees are compared directly, which is faster than a grid of them.
+/// Up to this number of pairs, trees are compared directly, which is faster than with a grid.
 const FEW_PAIRS: usize = 4096;
 
-/// A forest that covers the whole plane, in square tiles whose trees are a function of the seed and
-/// the tile alone: a window holds the same trees whatever was asked for before.
+/// A forest that covers the whole plane in square tiles. The trees of a tile depend only on the seed and the tile,
+/// so that a window contains the same trees whatever was requested before.
 ///
-/// Of the spec it reads `intensity`, the radii and `min_distance`; size, border, density and
-/// clearing belong to rectangular forests.
+/// It uses only `intensity`, the radii and `min_distance` of the spec; size, border, density and clearing apply to
+/// rectangular forests.
 ///
-/// - Without a least distance: a Poisson process. Counts in disjoint windows are independent Poisson
+/// - Without a least distance, the trees form a Poisson process. Counts in disjoint windows are independent Poisson
 ///   numbers of mean intensity x area.
-/// - With a least distance d: Matern's second hard-core process (B. Matern, Spatial Variation,
-///   1960). A Poisson process of intensity -ln(1 - lambda pi d^2) / (pi d^2) gives every
-///   tree a mark, uniform in [0, 1); a tree stays if no tree within d has a lower mark. That leaves
-///   exactly `intensity` trees per square metre, and depends on no tree farther than d beyond a tile's
-///   border. Sequential addition, which packs tighter, has no such local rule.
+/// - With a least distance d, they form Matern's second hard-core process (B. Matern, Spatial Variation, 1960). A
+///   Poisson process of intensity -ln(1 - lambda pi d^2) / (pi d^2) gives every tree a mark, uniform in [0, 1); a
+///   tree stays if no tree within d has a lower mark. On average this leaves exactly `intensity` trees per square
+///   metre, and depends on no tree farther than d beyond a tile's border. Sequential addition, which packs more
+///   tightly, has no such local rule.
 ///
 /// ```
 /// use envgen::{Seed, forest::{EndlessForest, ForestSpec}};
@@ -54,7 +54,7 @@ pub struct EndlessForest {
     spec: ForestSpec,
     tile: f64,
     seed: Seed,
-    /// Trees per square metre before thinning.
+    /// Number of trees per square metre before thinning.
     parents: f64,
 }
 
@@ -64,16 +64,16 @@ struct Parent {
     mark: u64,
 }
 
-/// The trees before thinning of a tile and the eight around it, row by row from the lowest.
+/// The trees before thinning of a tile and the eight tiles around it, row by row from the lowest.
 type Around<'a> = [[&'a [Parent]; 3]; 3];
 
 impl EndlessForest {
-    /// A forest in tiles of `tile` metres.
+    /// Creates a forest in tiles with a side of `tile` metres.
     ///
     /// # Errors
-    /// When a setting is not allowed, when the intensity is above what thinning by marks can keep (19 in
-    /// 20 of 1 / (pi d^2)), and when a tile is narrower than the least distance or would hold more
-    /// than a million trees.
+    /// When a setting is not allowed; when the intensity is above the limit of thinning by marks (19 in 20 of 1 /
+    /// (pi d^2)); and when a tile is narrower than the least distance or would contain more than a million trees on
+    /// average.
     pub fn new(spec: &ForestSpec, tile: f64, seed: Seed) -> Result<Self, SpecError> {
         let spec = ForestSpec { width: 1.0, height: 1.0, density: None, ..spec.clone() };
         let distance = spec.min_distance;
@@ -102,23 +102,23 @@ impl EndlessForest {
         Ok(EndlessForest { spec, tile, seed, parents })
     }
 
-    /// Side of a tile in metres.
+    /// Returns the side of a tile in metres.
     pub fn tile_side(&self) -> f64 {
         self.tile
     }
 
-    /// Expected number of trees of a tile: the cost of drawing it, where there is no least distance.
+    /// Returns the expected number of trees of a tile. Without a least distance it is the cost of drawing the tile.
     pub fn expected_trees(&self) -> f64 {
         self.spec.intensity * self.tile * self.tile
     }
 
-    /// The rectangle of tile (`i`, `j`): its lower left corner is (`i`, `j`) x the side of a tile.
+    /// Returns the rectangle of tile (`i`, `j`). Its lower left corner is (`i`, `j`) times the side of a tile.
     pub fn tile_rect(&self, i: i32, j: i32) -> Rect {
         let corner = |i: i32, j: i32| DVec2::new(f64::from(i), f64::from(j)) * self.tile;
         Rect::new(corner(i, j), corner(i, j) + DVec2::splat(self.tile))
     }
 
-    /// The trees whose centres lie in tile (`i`, `j`), always in the same order.
+    /// Returns the trees whose centres lie in tile (`i`, `j`), always in the same order.
     pub fn tile(&self, i: i32, j: i32) -> Vec<Tree> {
         if self.spec.min_distance <= 0.0 {
             return self.parents_of(i, j).into_iter().map(|parent| parent.tree).collect();
@@ -127,7 +127,7 @@ impl EndlessForest {
         self.thinned(i, j, around(rows.each_ref(), 0))
     }
 
-    /// The trees of tile (`i`, `j`) that thinning keeps.
+    /// Returns the trees of tile (`i`, `j`) that remain after thinning.
     fn thinned(&self, i: i32, j: i32, parents: Around) -> Vec<Tree> {
         let distance = self.spec.min_distance;
         // Trees of the tiles around matter where they are near enough to this tile.
@@ -158,7 +158,7 @@ impl EndlessForest {
         trees
     }
 
-    /// The trees before thinning in row `j`, from the tile before the first to the one after the last.
+    /// Returns the trees before thinning in row `j`, from the tile before the first to the tile after the last.
     fn row(&self, i: RangeInclusive<i32>, j: Option<i32>) -> Vec<Vec<Parent>> {
         let all = i64::from(*i.start()) - 1..=i64::from(*i.end()) + 1;
         let tile = |i: i64| match (i32::try_from(i), j) {
@@ -168,11 +168,10 @@ impl EndlessForest {
         all.map(tile).collect()
     }
 
-    /// The trees whose centres lie in a window: tile by tile, row by row from the lowest.
+    /// Returns the trees whose centres lie in a window, tile by tile, row by row from the lowest.
     ///
     /// # Errors
-    /// When the window reaches beyond the tiles that can be numbered, or would hold more than
-    /// [`MAX_TREES`].
+    /// When the window extends beyond the tiles that can be numbered, or would contain more than [`MAX_TREES`].
     pub fn window(&self, window: Rect) -> Result<Vec<Tree>, SpecError> {
         let error = |allowed: String| {
             Err(SpecError::new("window", format!("{} to {}", window.min, window.max), allowed))
@@ -234,7 +233,7 @@ impl EndlessForest {
     }
 }
 
-/// The nine tiles of three rows from the `first` column on.
+/// Returns the nine tiles of three rows, beginning with the column `first`.
 fn around(rows: [&Vec<Vec<Parent>>; 3], first: usize) -> Around<'_> {
     rows.map(|row| [0, 1, 2].map(|di| &*row[first + di]))
 }

@@ -1,4 +1,4 @@
-//! From a spec and a seed to a forest.
+//! Generates a forest from a spec and a seed.
 
 use super::blueprint::Forest;
 use super::density::Density;
@@ -9,7 +9,7 @@ use crate::distribution::Law;
 use crate::generate::Spec;
 use crate::seed::Seed;
 
-/// The forest of a valid spec; a density and a law of radii replace the spec's own.
+/// Generates the forest of a valid spec. A density and a distribution of radii replace the spec's own if given.
 pub(super) fn plant(
     spec: &ForestSpec,
     seed: Seed,
@@ -28,8 +28,8 @@ pub(super) fn plant(
 }
 
 impl ForestSpec {
-    /// Generates a forest of varying density: `density` replaces `intensity` and the spec's own raster.
-    /// The provenance cannot hold it and is therefore marked as edited.
+    /// Generates a forest of varying density: `density` replaces `intensity` and the spec's own raster. The
+    /// provenance cannot contain the density and is therefore marked as edited.
     ///
     /// ```
     /// use envgen::{Seed, forest::ForestSpec, glam::DVec2};

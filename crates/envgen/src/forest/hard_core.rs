@@ -1,4 +1,4 @@
-//! Centres with a least distance: a Poisson count, then random sequential addition.
+//! Tree centres with a least distance: a Poisson count, then random sequential addition.
 //!
 //! The paper modifies the Poisson process "using rejection sampling during the tree-placement
 //! phase": the number of trees is drawn first, then each tree is drawn again until it keeps its
@@ -16,19 +16,19 @@ use super::spec::{Border, ForestSpec};
 use crate::geometry::Rect;
 use crate::seed::{Seed, Stream};
 
-/// Random sequential addition jams at intensity x distance^2 = 0.6967 (coverage 0.547 by discs of
-/// that diameter: E. L. Hinrichsen, J. Feder and T. Jossang, Physical Review A 41, 1990,
-/// <https://doi.org/10.1103/PhysRevA.41.4199>), and its time
-/// grows without bound near there: up to 0.65 it ends in reasonable time.
+/// The greatest intensity x distance^2 for random sequential addition. It jams at 0.6967 (coverage 0.547 by discs
+/// of that diameter: E. L. Hinrichsen, J. Feder and T. Jossang, Physical Review A 41, 1990,
+/// <https://doi.org/10.1103/PhysRevA.41.4199>), and its time grows without bound near there; up to 0.65 it ends in
+/// reasonable time.
 const FILLING_LIMIT: f64 = 0.65;
 
-/// Attempts per tree, on average over all.
+/// The average number of attempts per tree.
 const ATTEMPTS: u64 = 400;
 
-/// The most draws in all that may be rejected to follow a density function that is mostly near 0.
+/// The greatest total number of draws that may be rejected to follow a density function that is mostly near 0.
 const MOST_WASTED: u64 = 500_000_000;
 
-/// Draws whose positions are looked up together before any of them is placed.
+/// The number of draws whose positions are looked up together before any of them is placed.
 const BATCH: usize = 64;
 
 pub(super) fn centres(
@@ -98,17 +98,17 @@ fn add(
     Ok(index.into_points())
 }
 
-/// Draws positions: uniform, or in proportion to a density.
+/// Draws positions, either uniformly or in proportion to a density.
 struct Thrower<'a> {
     area: Rect,
     density: Option<&'a dyn Density>,
     stream: Stream,
-    /// Draws that were rejected to follow the density.
+    /// Number of draws that were rejected to follow the density.
     wasted: u64,
 }
 
 impl Thrower<'_> {
-    /// A position; `None` when too many draws were rejected.
+    /// Draws a position; `None` if too many draws were rejected.
     fn throw(&mut self) -> Result<Option<DVec2>, ForestError> {
         let Some(density) = self.density else {
             return Ok(Some(poisson::uniform(self.area, &mut self.stream)));

@@ -6,52 +6,52 @@ use glam::DVec2;
 
 use crate::geometry::Rect;
 
-/// What sequential addition needs from an index of the placed points.
+/// The operations that sequential addition needs from an index of the placed points.
 pub(super) trait PointIndex {
     /// Whether a placed point is nearer than the least distance.
     fn conflicts(&self, p: DVec2) -> bool;
 
-    /// Reads the memory that [`PointIndex::conflicts`] will read, and nothing else: many such reads run at
-    /// the same time, whereas whole look-ups would wait for each other.
+    /// Reads the memory that [`PointIndex::conflicts`] will read, and nothing else. Many such reads run at the same
+    /// time, whereas whole look-ups would wait for each other.
     fn touch(&self, p: DVec2) -> u32;
 
     /// Adds a point that does not conflict.
     fn insert(&mut self, p: DVec2);
 
-    /// The points, in the order in which they were added.
+    /// Returns the points in the order in which they were added.
     fn into_points(self) -> Vec<DVec2>;
 }
 
-/// A grid whose cells are so small that each holds at most one point.
+/// A grid with cells so small that each contains at most one point.
 ///
-/// With a cell side of distance / sqrt 2 a conflicting point is at most two cells away. A cell
-/// holds two bytes, its point to within 1/255 of the side: enough to decide all but one position in a
-/// hundred, and so little that the grid of a million points fits into a processor's cache. Positions
-/// that it cannot decide are looked up in a [`CellList`].
+/// With a cell side of distance / sqrt 2, a conflicting point is at most two cells away. A cell takes two bytes,
+/// which give its point to within 1/255 of the side. This is enough to decide all but one position in a hundred,
+/// and so little that the grid of a million points fits into a processor's cache. Positions that it cannot decide
+/// are looked up in a [`CellList`].
 pub(super) struct FineGrid {
     per_cell: f64,
-    /// Columns, margins included: no look-up checks a border, and on a torus the margins hold
-    /// copies of the points from the other side.
+    /// Number of columns, including margins. Because of the margins, look-ups need not check for borders; on a
+    /// torus they contain copies of the points from the opposite side.
     stride: usize,
-    /// 0 where there is no point, else its position in the cell in steps of 1/255 of the side: that
-    /// along x plus one in the high byte, that along y in the low byte.
+    /// 0 for a cell without a point; otherwise the point's position in the cell in steps of 1/255 of the side: the
+    /// position along x plus one in the high byte, the position along y in the low byte.
     codes: Vec<u16>,
     /// The points themselves, with the area and whether it is a torus.
     exact: CellList,
 }
 
-/// Cells around the area, on every side.
+/// Number of cells around the area, on every side.
 const MARGIN: usize = 2;
 
-/// Cells of a row that a look-up reads: the five that matter, and three that fill a register, which
-/// are too far away to conflict.
+/// Number of cells of a row that a look-up reads: the five that matter, and three that fill a register and are too
+/// far away to conflict.
 const RUN: usize = 8;
 
-/// Steps of a code along a cell's side.
+/// Number of steps of a code along a cell's side.
 const STEPS: f64 = 255.0;
 
-/// The least distance in steps, and the greatest error of a distance between a position and a coded
-/// point: half a step along both axes, and rounding.
+/// The least distance in steps, and the greatest error of a distance between a position and a coded point: half a
+/// step along both axes, and rounding.
 const DISTANCE_IN_STEPS: f64 = STEPS * std::f64::consts::SQRT_2;
 const CODE_ERROR: f64 = 0.75;
 
@@ -72,17 +72,17 @@ impl FineGrid {
         FineGrid { per_cell, stride, codes: vec![0; cells], exact }
     }
 
-    /// A position in cells from the lower left corner of the grid, margins included.
+    /// Converts a position into cells from the lower left corner of the grid, margins included.
     fn scaled(&self, p: DVec2) -> DVec2 {
         (p - self.exact.area.min) * self.per_cell + MARGIN as f64
     }
 
-    /// The cell at the lower left of the five by five around a position.
+    /// Returns the cell at the lower left of the five by five cells around a position.
     fn first_around(&self, at: DVec2) -> usize {
         (at.y as usize - MARGIN) * self.stride + at.x as usize - MARGIN
     }
 
-    /// Codes a point into the cell that a copy of it lies in.
+    /// Writes the code of a point into the cell that contains a copy of it.
     fn set(&mut self, at: DVec2) {
         let cell = at.floor();
         let steps = ((at - cell) * STEPS).floor().min(DVec2::splat(STEPS - 1.0));
@@ -91,7 +91,7 @@ impl FineGrid {
     }
 }
 
-/// An offset, on a torus in the shorter direction.
+/// Returns an offset, on a torus in the shorter direction.
 fn shorter_offset(offset: DVec2, area: Rect, torus: bool) -> DVec2 {
     if !torus {
         return offset;
@@ -161,7 +161,7 @@ impl PointIndex for FineGrid {
     }
 }
 
-/// A grid of cells at least as wide as the reach of a query, each with a list of its points.
+/// A grid of cells that are at least as wide as the reach of a query, each with a list of its points.
 pub(super) struct CellList {
     area: Rect,
     torus: bool,
@@ -169,7 +169,7 @@ pub(super) struct CellList {
     side: DVec2,
     cols: usize,
     rows: usize,
-    /// First point of each cell's list, [`NONE`] at its end.
+    /// The first point of each cell's list; [`NONE`] if it is empty.
     head: Vec<u32>,
     next: Vec<u32>,
     points: Vec<DVec2>,
@@ -178,7 +178,7 @@ pub(super) struct CellList {
 const NONE: u32 = u32::MAX;
 
 impl CellList {
-    /// An empty grid for about `count` points in `area`, for queries within `reach`.
+    /// Creates an empty grid for about `count` points in `area`, for queries within `reach`.
     pub(super) fn new(area: Rect, reach: f64, count: u64, torus: bool) -> Self {
         let size = area.size();
         let spacing = (size.x * size.y / (count as f64 + 1.0)).sqrt();
@@ -197,7 +197,7 @@ impl CellList {
         }
     }
 
-    /// A grid that holds all points.
+    /// Creates a grid that contains all points.
     pub(super) fn of(
         area: Rect,
         reach: f64,
@@ -209,8 +209,8 @@ impl CellList {
         list
     }
 
-    /// Calls `visit` with every point that may be within the reach: its number in the order of
-    /// insertion and its offset from `p`, on a torus in the shorter direction.
+    /// Calls `visit` for every point that may be within the reach, with its number in the order of insertion and
+    /// its offset from `p`, on a torus in the shorter direction.
     pub(super) fn visit(&self, p: DVec2, mut visit: impl FnMut(u32, DVec2)) {
         self.any(p, |i, offset| {
             visit(i, offset);
@@ -218,8 +218,8 @@ impl CellList {
         });
     }
 
-    /// Distance in metres from `p` to the nearest point other than number `except`; infinite if it is
-    /// the only one. Searches ring by ring around the cell of `p`.
+    /// Returns the distance in metres from `p` to the nearest point other than number `except`; infinite if there
+    /// are no others. It searches ring by ring around the cell of `p`.
     pub(super) fn nearest(&self, p: DVec2, except: u32) -> f64 {
         let (col, row) = self.cell(p);
         // On each axis, the first and last cell of the grid as seen from here.
@@ -260,8 +260,8 @@ impl CellList {
         best
     }
 
-    /// Whether `found` is true for any point that may be within the reach, visited as by
-    /// [`CellList::visit`]; it is not called again after the first such point.
+    /// Whether `found` is true for any point that may be within the reach, visited as by [`CellList::visit`].
+    /// `found` is not called again after the first such point.
     pub(super) fn any(&self, p: DVec2, mut found: impl FnMut(u32, DVec2) -> bool) -> bool {
         let (col, row) = self.cell(p);
         let near = |at: usize, len: usize| -> [Option<usize>; 3] {

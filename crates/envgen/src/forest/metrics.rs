@@ -1,4 +1,4 @@
-//! Measures of a forest, and what theory predicts for them.
+//! Metrics of a forest, and the values that theory predicts for them.
 
 use std::f64::consts::PI;
 
@@ -14,27 +14,26 @@ use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::union_find::UnionFind;
 use crate::world::Tree;
 
-/// Discs of equal radius r and intensity lambda percolate at lambda pi r^2 = 1.128: beyond, they
-/// form a cluster without end (J. Quintanilla, S. Torquato and R. M. Ziff, Efficient measurement of
-/// the percolation threshold for fully penetrable discs, J. Phys. A 33, 2000,
+/// The percolation threshold of the reduced density. Discs of equal radius r and intensity lambda percolate at
+/// lambda pi r^2 = 1.128: beyond this, they form an infinite cluster (J. Quintanilla, S. Torquato and R. M. Ziff,
+/// Efficient measurement of the percolation threshold for fully penetrable discs, J. Phys. A 33, 2000,
 /// <https://doi.org/10.1088/0305-4470/33/42/104>).
 pub const PERCOLATION_THRESHOLD: f64 = 1.128;
 
-/// The cover is measured on a raster of about this many cells along the longer side.
+/// Approximate number of cells along the longer side of the raster on which the cover is measured.
 const COVER_CELLS: f64 = 256.0;
 
-/// The least number of its cells across the area, if that is not too many of them in all.
+/// The least number of cells across the area, unless this gives too many cells in total.
 const NARROW_CELLS: f64 = 16.0;
 const MOST_COVER_CELLS: f64 = (1 << 22) as f64;
 
-/// Numbers that describe a forest. On a torus, cover, touching and nearest neighbours count across
-/// its sides, crossings do not.
+/// The metrics of a forest. On a torus, cover, touching trunks and nearest neighbours count across the area's
+/// sides; crossings do not.
 ///
-/// Predictions are those of the Poisson process with the spec's intensity and radii, absent where the
-/// density varies or the law of radii is not the spec's; a least distance or clearings make them wrong.
-/// They predict the mean over many forests, and account for the border: trees there miss neighbours
-/// beyond it, and the ground there misses trunks. The formulas of an endless forest are given beside
-/// them.
+/// Predictions are those of the Poisson process with the spec's intensity and radii. They are absent if the density
+/// varies or the distribution of radii is not the spec's; a least distance or clearings make them inaccurate. They
+/// predict the mean over many forests, and account for the border: trees near it have no neighbours beyond it, and
+/// fewer trunks cover the ground there. The formulas given below are those of an endless forest.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
@@ -51,34 +50,35 @@ const MOST_COVER_CELLS: f64 = (1 << 22) as f64;
 pub struct ForestMetrics {
     /// Number of trees.
     pub count: u64,
-    /// Number that the intensity predicts.
+    /// Number of trees that the intensity predicts.
     pub count_predicted: Option<f64>,
-    /// Trees that the clearings took away.
+    /// Number of trees that were removed to make the clearings.
     pub cleared: u64,
-    /// Share of the area under trunks.
+    /// Share of the area that is covered by trunks.
     pub cover: f64,
-    /// 1 - exp(-lambda pi E[r^2]) in an endless forest; less with a border.
+    /// Predicted share: 1 - exp(-lambda pi E[r^2]) in an endless forest, less with a border.
     pub cover_predicted: Option<f64>,
-    /// Share of trees whose trunk touches no other; absent without trees.
+    /// Share of trees whose trunk touches no other trunk; absent without trees.
     pub untouched: Option<f64>,
-    /// exp(-4 lambda pi r^2) in an endless forest of a fixed radius r; more with a border. Absent for
-    /// other radius laws.
+    /// Predicted share: exp(-4 lambda pi r^2) in an endless forest of a fixed radius r, more with a border. Absent
+    /// for other distributions of radii.
     pub untouched_predicted: Option<f64>,
-    /// Mean distance from a tree's centre to the nearest other in metres; absent for less than two trees.
+    /// Mean distance from a tree's centre to the nearest other tree's centre in metres; absent for fewer than two
+    /// trees.
     pub nearest_neighbour: Option<f64>,
-    /// 1 / (2 sqrt lambda) in an endless forest; more with a border, and because the number of trees is
-    /// random: the mean distance grows more with fewer trees than it falls with more.
+    /// Predicted distance: 1 / (2 sqrt lambda) in an endless forest. It is greater with a border, and because the
+    /// number of trees is random: the mean distance grows more with fewer trees than it falls with more trees.
     pub nearest_neighbour_predicted: Option<f64>,
-    /// Mean free path in metres of a robot that drives straight in an endless forest,
-    /// `1 / (2 lambda (E[r] + rho))`.
+    /// Predicted mean free path, in metres, of a robot that drives straight in an endless forest:
+    /// `1 / (2 lambda (E[r] + rho))`, where rho is the robot's radius.
     pub free_path_predicted: Option<f64>,
-    /// lambda pi E[(r + rho)^2] with the spec's own intensity, whatever the density map, and with the
-    /// means over the trees where the law of radii is not the spec's: above [`PERCOLATION_THRESHOLD`] a
-    /// wide even forest cannot be crossed.
+    /// The reduced density lambda pi E[(r + rho)^2]: above [`PERCOLATION_THRESHOLD`], a wide and even forest cannot
+    /// be crossed. It uses the spec's own intensity, whatever the density map is, and means over the trees if the
+    /// distribution of radii is not the spec's.
     pub reduced_density: f64,
-    /// Whether a wide forest of this reduced density can be crossed.
+    /// Whether a wide forest of this reduced density is predicted to be crossable.
     pub traversable_predicted: bool,
-    /// Whether the robot's middle can go from the west side of the area to its east side, inside.
+    /// Whether the robot's centre can move from the west side of the area to its east side without leaving the area.
     pub traversable: bool,
 }
 
@@ -110,13 +110,13 @@ pub(super) fn measure(forest: &Forest) -> ForestMetrics {
     }
 }
 
-/// The mean free path of a robot that drives straight in an endless forest.
+/// Returns the mean free path of a robot that drives straight in an endless forest.
 fn free_path(spec: &ForestSpec) -> f64 {
     let (mean, _) = radius_moments(spec);
     0.5 / (spec.intensity * (mean + spec.robot_radius))
 }
 
-/// lambda pi E[(r + rho)^2], the mean number of trunks grown by the robot's radius over a point.
+/// Returns lambda pi E[(r + rho)^2], the mean number of trunks, enlarged by the robot's radius, that cover a point.
 fn reduced_density(forest: &Forest) -> f64 {
     let spec = forest.spec();
     let (mean, mean_square) =
@@ -125,19 +125,19 @@ fn reduced_density(forest: &Forest) -> f64 {
     spec.intensity * PI * (mean_square + 2.0 * mean * rho + rho * rho)
 }
 
-/// Whether a wide forest of this density can be crossed.
+/// Whether a wide forest of this density is predicted to be crossable.
 pub(super) fn predicts_crossing(forest: &Forest) -> bool {
     reduced_density(forest) < PERCOLATION_THRESHOLD
 }
 
-/// Means of r and r^2 over trees, 0 where there are none.
+/// Returns the means of r and r^2 over trees; 0 without trees.
 fn mean_radii(trees: &[Tree]) -> (f64, f64) {
     let n = trees.len().max(1) as f64;
     let sum = |power: fn(f64) -> f64| trees.iter().map(|tree| power(tree.radius)).sum::<f64>();
     (sum(|r| r) / n, sum(|r| r * r) / n)
 }
 
-/// E[r] and E[r^2] of the law of radii.
+/// Returns E[r] and E[r^2] of the distribution of radii.
 fn radius_moments(spec: &ForestSpec) -> (f64, f64) {
     let (a, b) = (spec.radius_min, spec.radius_max);
     match spec.radius_law {
@@ -158,7 +158,7 @@ fn radius_moments(spec: &ForestSpec) -> (f64, f64) {
     }
 }
 
-/// The share of trees that touch no other, and the mean distance to the nearest neighbour.
+/// Returns the share of trees that touch no other tree, and the mean distance to the nearest neighbour.
 fn neighbours(spec: &ForestSpec, trees: &[Tree]) -> (Option<f64>, Option<f64>) {
     if trees.is_empty() {
         return (None, None);
@@ -184,7 +184,8 @@ fn neighbours(spec: &ForestSpec, trees: &[Tree]) -> (Option<f64>, Option<f64>) {
     (Some(untouched as f64 / n), (trees.len() > 1).then_some(sum / n))
 }
 
-/// The share of the area under trunks, on a raster of cell middles; on a torus trunks reach across.
+/// Returns the share of the area under trunks, measured at the cell centres of a raster. On a torus, trunks extend
+/// across the sides.
 fn cover(spec: &ForestSpec, trees: &[Tree]) -> f64 {
     let (area, size) = (spec.area(), spec.area().size());
     let (usual, narrow) = (size.max_element() / COVER_CELLS, size.min_element() / NARROW_CELLS);
@@ -216,11 +217,11 @@ fn cover(spec: &ForestSpec, trees: &[Tree]) -> f64 {
     f64::from(covered) / f64::from(inside.max(1))
 }
 
-/// Whether the middle of a disc robot can go from the west side of the area to its east side
-/// without leaving the area.
+/// Whether the centre of a disc-shaped robot can move from the west side of the area to its east side without
+/// leaving the area.
 ///
-/// Exact: it cannot if and only if trunks grown by the robot's radius form a chain that overlaps
-/// from the south side to the north side. Union-find over the trunks that overlap, nearly linear in
+/// The test is exact: the robot cannot cross if and only if trunks enlarged by its radius form an overlapping chain
+/// from the south side to the north side. It uses union-find over the overlapping trunks, in time nearly linear in
 /// their number.
 pub(super) fn crosses_west_east(forest: &Forest) -> bool {
     let (spec, trees) = (forest.spec(), forest.trees());

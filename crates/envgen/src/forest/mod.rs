@@ -1,12 +1,12 @@
-//! Poisson forests: trees scattered uniformly, their number drawn from a Poisson law.
+//! Poisson forests: uniformly scattered trees, whose number follows a Poisson distribution.
 //!
 //! Source: C. Richter, W. Vega-Brown and N. Roy, Markov Chain Hallway and Poisson Forest
 //! Environment Generating Distributions, MIT-CSAIL-TR-2015-014, section 2, <https://studylib.net/doc/10593763/>.
 //!
-//! - [`ForestSpec`] and [`Forest`]: a rectangular forest, with a least distance between trees, a
-//!   law of radii and a density that may vary.
-//! - [`EndlessForest`]: a forest without borders, tile by tile.
-//! - [`ForestMetrics`]: measures of a forest, and what theory predicts for them.
+//! - [`ForestSpec`] and [`Forest`]: a rectangular forest, with an optional least distance between trees, a
+//!   distribution of radii, and a density that may vary.
+//! - [`EndlessForest`]: a forest without borders, generated tile by tile.
+//! - [`ForestMetrics`]: metrics of a forest, and the values that theory predicts for them.
 
 mod blueprint;
 #[cfg(feature = "rand")]

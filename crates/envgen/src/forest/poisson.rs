@@ -1,4 +1,4 @@
-//! Centres without a least distance: a Poisson count, then uniform positions.
+//! Tree centres without a least distance: a Poisson count, then uniform positions.
 
 use glam::DVec2;
 
@@ -9,7 +9,7 @@ use crate::distribution::poisson;
 use crate::geometry::Rect;
 use crate::seed::{Seed, Stream};
 
-/// X ~ Poisson(intensity x area) uniform points; with a density, those that survive thinning.
+/// Draws X ~ Poisson(intensity x area) uniform points; with a density, those that remain after thinning.
 pub(super) fn centres(
     spec: &ForestSpec,
     seed: Seed,
@@ -31,7 +31,7 @@ pub(super) fn centres(
     Ok(centres)
 }
 
-/// The number of trees, X ~ Poisson(intensity x area).
+/// Draws the number of trees, X ~ Poisson(intensity x area).
 pub(super) fn draw_count(area: Rect, intensity: f64, seed: Seed) -> u64 {
     let size = area.size();
     poisson(&mut seed.stream("forest/count", 0), intensity * size.x * size.y)
@@ -42,7 +42,7 @@ pub(super) fn uniform(area: Rect, stream: &mut Stream) -> DVec2 {
     DVec2::new(x, stream.between(area.min.y, area.max.y))
 }
 
-/// The density at a point, checked against its own limits.
+/// Returns the density at a point, checked against its own limits.
 pub(super) fn checked(density: &dyn Density, p: DVec2) -> Result<f64, ForestError> {
     let (value, max) = (density.at(p), density.max());
     if value >= 0.0 && value <= max {

@@ -1,10 +1,10 @@
-//! What theory predicts for a Poisson forest in its own area, border included.
+//! Predictions of theory for a Poisson forest in its own area, border included.
 //!
-//! A disc around a point holds a Poisson number of centres whose mean is the intensity times the
-//! area of the disc **inside the area of the centres**. Every prediction is a mean of a function of
-//! that mean, over the points of an area: constant in its interior, less near the border, where
-//! part of the disc lies outside. On a torus all points are alike, and a disc that extends around it
-//! is cut off half a side away.
+//! A disc around a point contains a Poisson number of centres. Its mean is the intensity times the area of the part
+//! of the disc that lies **inside the area of the centres**. Every prediction is the average of a function of that
+//! mean over the points of an area. The function is constant in the interior of the area, and less near the border,
+//! where part of the disc lies outside. On a torus all points are alike, and a disc that extends around the torus
+//! is cut off at half a side from its centre.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ use glam::DVec2;
 
 use super::spec::{Border, ForestSpec, RadiusLaw};
 
-/// Nodes and weights of Gauss and Legendre's quadrature on [-1, 1], the positive half.
+/// Nodes and weights of Gauss-Legendre quadrature on [-1, 1], the positive half.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -20,22 +20,22 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// Panels of eight nodes for distances to neighbours.
+/// Number of panels of eight nodes for distances to neighbours.
 const DISTANCE_PANELS: usize = 4;
 
-/// Panels of eight nodes for radii.
+/// Number of panels of eight nodes for radii.
 const RADIUS_PANELS: usize = 2;
 
-/// A disc with this many centres on average is assumed to hold one.
+/// A disc with this mean number of centres is assumed to contain at least one.
 const CERTAIN: f64 = 36.0;
 
-/// With this many centres on average in a disc, the border beyond it hardly matters.
+/// If a disc has this mean number of centres, the border beyond it hardly matters.
 const FAR: f64 = 14.0;
 
-/// This many standard deviations hold practically all of a log-normal law.
+/// This number of standard deviations covers practically all of a log-normal distribution.
 const ALL_OF_NORMAL: f64 = 8.0;
 
-/// The share of the area under trunks.
+/// Returns the share of the area under trunks.
 pub(super) fn cover(spec: &ForestSpec) -> f64 {
     let centres = Centres::of(spec);
     let radii = radii(spec);
@@ -46,7 +46,7 @@ pub(super) fn cover(spec: &ForestSpec) -> f64 {
     1.0 - centres.mean(0.5 * spec.area().size(), spec.largest_radius(), uncovered)
 }
 
-/// The share of the trees that touch no other, in a forest that has trees; all have one radius.
+/// Returns the share of the trees that touch no other tree, in a forest with trees that all have the same radius.
 pub(super) fn untouched(spec: &ForestSpec) -> f64 {
     let centres = Centres::of(spec);
     let mean = spec.intensity * centres.area();
@@ -59,7 +59,7 @@ pub(super) fn untouched(spec: &ForestSpec) -> f64 {
     centres.mean(centres.half, reach, alone)
 }
 
-/// The mean distance in metres from a tree to the nearest other, in a forest of two trees or more.
+/// Returns the mean distance in metres from a tree to the nearest other tree, in a forest of at least two trees.
 pub(super) fn nearest_neighbour(spec: &ForestSpec) -> f64 {
     let centres = Centres::of(spec);
     let mean = spec.intensity * centres.area();
@@ -85,8 +85,8 @@ pub(super) fn nearest_neighbour(spec: &ForestSpec) -> f64 {
     centres.mean(centres.half, (FAR / (PI * spec.intensity)).sqrt(), distance)
 }
 
-/// The sum over n > `least` of the Poisson probability of n over `mean`, times the probability
-/// that n - 1 of them lie in a part that has `elsewhere` of the mean; for `least` 0 and 1.
+/// Returns the sum, over n > `least`, of the Poisson probability of n over `mean`, times the probability that n - 1
+/// of them lie in a part that has `elsewhere` of the mean; for `least` 0 and 1.
 fn others_elsewhere(mean: f64, elsewhere: f64, least: u32) -> f64 {
     // exp(-mean) (exp(e) - 1) / e, less exp(-mean) for the case of a single one.
     let e = elsewhere.max(0.0);
@@ -99,7 +99,7 @@ fn others_elsewhere(mean: f64, elsewhere: f64, least: u32) -> f64 {
     }
 }
 
-/// Radii of the law and their probabilities.
+/// Returns radii of the distribution, with their probabilities.
 fn radii(spec: &ForestSpec) -> Vec<(f64, f64)> {
     let (least, greatest) = (spec.radius_min, spec.radius_max);
     let mut radii = Vec::new();
@@ -124,7 +124,7 @@ fn radii(spec: &ForestSpec) -> Vec<(f64, f64)> {
     radii
 }
 
-/// The rectangle in which the centres of trees lie; its middle is the origin.
+/// The rectangle in which the centres of trees lie; its centre is the origin.
 struct Centres {
     /// Half width and half height in metres.
     half: DVec2,
@@ -141,7 +141,7 @@ impl Centres {
         4.0 * self.half.x * self.half.y
     }
 
-    /// The area of a disc around a point that lies in the rectangle.
+    /// Returns the area of the part of a disc around a point that lies in the rectangle.
     fn inside(&self, p: DVec2, radius: f64) -> f64 {
         let (high, low) = (self.half - p, self.half + p);
         if high.min(low).min_element() >= radius {
@@ -160,8 +160,8 @@ impl Centres {
         (PI * radius * radius - east - west - north - south + corners).max(0.0)
     }
 
-    /// The mean of a function that depends on a disc of radius `reach`, over the points of a
-    /// rectangle of this half width and half height around the origin.
+    /// Returns the mean of a function that depends on a disc of radius `reach`, over the points of a rectangle of
+    /// this half width and half height around the origin.
     fn mean(&self, half: DVec2, reach: f64, f: impl Fn(DVec2) -> f64) -> f64 {
         if self.torus {
             return f(DVec2::ZERO);
@@ -175,8 +175,8 @@ impl Centres {
         y.iter().map(row).sum()
     }
 
-    /// Nodes from the middle of an axis to its end: one for all of the interior, eight for the
-    /// border, and eight beyond the border of the centres.
+    /// Returns nodes from the middle of an axis to its end: one for the whole interior, eight for the border, and
+    /// eight beyond the border of the centres.
     fn axis(&self, end: f64, border: f64, reach: f64) -> Vec<(f64, f64)> {
         let interior = (border - reach).clamp(0.0, end);
         let border = border.clamp(interior, end);
@@ -193,7 +193,7 @@ impl Centres {
     }
 }
 
-/// The area of a disc around the origin beyond a line at a distance, which may be negative.
+/// Returns the area of a disc around the origin beyond a line at a distance, which may be negative.
 fn beyond(distance: f64, radius: f64) -> f64 {
     if distance >= radius {
         return 0.0;
@@ -205,8 +205,8 @@ fn beyond(distance: f64, radius: f64) -> f64 {
     radius * radius * libm::acos(distance / radius) - distance * half_chord
 }
 
-/// The area of a disc around the origin beyond two lines at right angles, given what lies beyond
-/// each.
+/// Returns the area of a disc around the origin beyond two lines at right angles, given the areas beyond each of
+/// them.
 fn beyond_corner(x: f64, y: f64, beyond_x: f64, beyond_y: f64, radius: f64) -> f64 {
     if x * x + y * y >= radius * radius {
         // The corner lies outside of the disc.
@@ -221,7 +221,7 @@ fn beyond_corner(x: f64, y: f64, beyond_x: f64, beyond_y: f64, radius: f64) -> f
     0.5 * (beyond_x + beyond_y) - 0.25 * PI * radius * radius + x * y
 }
 
-/// Nodes of a composite quadrature between two numbers; the weights add up to 1.
+/// Visits the nodes of a composite quadrature between two numbers. The weights add up to 1.
 fn nodes(from: f64, to: f64, panels: usize, mut node: impl FnMut(f64, f64)) {
     let half = 0.5 * (to - from) / panels as f64;
     for panel in 0..panels {

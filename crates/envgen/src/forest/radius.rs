@@ -8,7 +8,7 @@ use crate::distribution::{Law, standard_normal};
 use crate::seed::{Seed, Stream};
 use crate::world::Tree;
 
-/// Gives every centre its radius, of the spec's law or of another.
+/// Gives every centre a radius from the spec's distribution or from another one.
 pub(super) fn grow(
     spec: &ForestSpec,
     seed: Seed,
@@ -27,7 +27,7 @@ pub(super) fn grow(
     Ok(trees)
 }
 
-/// A radius, checked against the limits of the spec.
+/// Returns a radius, checked against the limits of the spec.
 fn checked(spec: &ForestSpec, value: f64) -> Result<f64, ForestError> {
     let (min, max) = (spec.radius_min, spec.radius_max);
     if (min..=max).contains(&value) {

@@ -12,11 +12,11 @@ use crate::geometry::Rect;
 use crate::settings;
 use crate::world::{Extent, Tree};
 
-/// The most trees that a forest may be expected to hold.
+/// The greatest expected number of trees of a forest.
 pub const MAX_TREES: f64 = 2e7;
 
-/// The most trees that a forest with a least distance may be expected to hold: generating it needs a
-/// grid of up to 256 bytes per tree.
+/// The greatest expected number of trees of a forest with a least distance. Generating it needs a grid of up to 256
+/// bytes per tree.
 pub const MAX_HARD_CORE_TREES: f64 = 5e6;
 
 settings! {
@@ -73,7 +73,7 @@ settings! {
     }
 }
 
-/// The law of the radii.
+/// The distribution of the radii.
 ///
 /// ```
 /// use envgen::forest::{ForestSpec, RadiusLaw};
@@ -89,12 +89,12 @@ settings! {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum RadiusLaw {
-    /// All trees have `radius`.
+    /// All trees have the radius `radius`.
     Fixed,
-    /// Uniform from `radius_min` to `radius_max`.
+    /// The radius is uniform from `radius_min` to `radius_max`.
     Uniform,
-    /// Log-normal with median `radius` and `radius_sigma`; values outside `radius_min` to `radius_max`
-    /// are drawn again.
+    /// The radius is log-normal with median `radius` and `radius_sigma`. Values outside `radius_min` to
+    /// `radius_max` are drawn again.
     LogNormal,
 }
 
@@ -103,12 +103,11 @@ pub enum RadiusLaw {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Border {
-    /// Centres lie inside; trunks may stick out by their radius.
+    /// Centres lie inside the area; trunks may extend beyond it by their radius.
     Open,
-    /// Whole trunks lie inside; `intensity` applies to the area that is left for the centres.
+    /// Whole trunks lie inside the area; `intensity` applies to the smaller area that remains for the centres.
     Inset,
-    /// Opposite sides are joined: distances count across them, so that copies of the forest tile the
-    /// plane.
+    /// Opposite sides are joined: distances count across them, so that copies of the forest tile the plane.
     Torus,
 }
 
@@ -125,13 +124,13 @@ pub(super) const RULES: &[&str] = &[
 ];
 
 impl ForestSpec {
-    /// A tree of the spec's height.
+    /// Creates a tree of the spec's height.
     pub(super) fn tree(&self, center: DVec2, radius: f64) -> Tree {
         let height = self.tree_height.and_then(|top| Extent::new(0.0, top).ok());
         Tree { height, ..Tree::new(center, radius) }
     }
 
-    /// Checks every field, and the fields together.
+    /// Checks every field, and the rules about several fields.
     pub(super) fn check(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         if let Some(density) = &self.density {
@@ -143,12 +142,12 @@ impl ForestSpec {
         self.check_filling()
     }
 
-    /// The rectangle of the forest.
+    /// Returns the rectangle of the forest.
     pub fn area(&self) -> Rect {
         Rect::new(DVec2::ZERO, DVec2::new(self.width, self.height))
     }
 
-    /// The rectangle in which centres lie.
+    /// Returns the rectangle in which centres lie.
     pub(super) fn centre_area(&self) -> Rect {
         match self.border {
             Border::Open | Border::Torus => self.area(),
@@ -156,7 +155,7 @@ impl ForestSpec {
         }
     }
 
-    /// The greatest radius that the law can give, in metres.
+    /// Returns the greatest radius that the distribution can give, in metres.
     pub(super) fn largest_radius(&self) -> f64 {
         match self.radius_law {
             RadiusLaw::Fixed => self.radius,
@@ -164,7 +163,7 @@ impl ForestSpec {
         }
     }
 
-    /// Checks that the law of the radii has values between its limits.
+    /// Checks that the distribution of the radii has values between its limits.
     fn check_radii(&self) -> Result<(), SpecError> {
         if self.radius_law == RadiusLaw::Fixed {
             return Ok(());
@@ -207,13 +206,13 @@ impl ForestSpec {
         Ok(())
     }
 
-    /// The area in square metres in which centres lie, and the greatest factor on the intensity.
+    /// Returns the area in square metres in which centres lie, and the greatest factor on the intensity.
     fn area_and_peak(&self) -> (f64, f64) {
         let size = self.centre_area().size();
         (size.x * size.y, self.density.as_ref().map_or(1.0, DensityMap::max))
     }
 
-    /// The number of trees to expect if the density had its greatest value everywhere.
+    /// Returns the expected number of trees if the density had its greatest value everywhere.
     pub(super) fn expected_trees(&self) -> f64 {
         let (area, peak) = self.area_and_peak();
         self.intensity * peak * area
@@ -247,14 +246,13 @@ impl ForestSpec {
     }
 }
 
-/// The most trunks, grown by the robot's radius, that may cover a point on average: far too many to
-/// be crossed.
+/// The greatest mean number of trunks, enlarged by the robot's radius, that may cover a point; it is far too many
+/// for a forest that can be crossed.
 const MAX_REDUCED_DENSITY: f64 = 100.0;
 
-/// The expected overlaps of such trunks that a forest may have at most: they bound the time of its
-/// metrics.
+/// The greatest expected number of overlaps of such trunks in a forest, which bounds the time of its metrics.
 const MAX_OVERLAPS: f64 = 4e7;
 
-/// The least share of a log-normal law that must lie between the limits, so that drawing values
-/// outside again ends soon.
+/// The least share of a log-normal distribution that must lie between the limits, so that drawing again soon gives
+/// a value inside.
 const LEAST_SHARE: f64 = 1e-3;

@@ -5,10 +5,10 @@ use glam::DVec2;
 use super::spec::ForestSpec;
 use crate::world::Tree;
 
-/// Start and goal lie this far from the west and east border, in metres, in a wide forest.
+/// The distance of start and goal from the west and east border, in metres, in a wide forest.
 const FROM_BORDER: f64 = 2.0;
 
-/// The preferred start and goal: the middle of the west and of the east side.
+/// Returns the preferred start and goal: the middles of the west and of the east side.
 pub(super) fn wished(spec: &ForestSpec) -> [DVec2; 2] {
     let inset = FROM_BORDER.max(spec.robot_radius).min(0.25 * spec.width);
     let y = 0.5 * spec.height;

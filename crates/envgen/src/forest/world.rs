@@ -1,4 +1,4 @@
-//! From a forest to a world.
+//! Builds the world of a forest.
 
 use glam::DVec2;
 
@@ -49,8 +49,8 @@ pub(super) fn world(forest: &Forest) -> World {
     world
 }
 
-/// A free point near `wish`: the nearest of a square lattice of side `step`, searched ring by
-/// ring. Where no free point is near, the lattice becomes coarser, so that a wide thicket costs little.
+/// Returns a free point near `wish`: the nearest one of a square lattice of side `step`, which is searched ring by
+/// ring. If no free point is near, the lattice becomes coarser, so that a wide thicket costs little.
 fn nearest_free(
     wish: DVec2,
     area: Rect,
