@@ -1,11 +1,11 @@
-//! How a road's length is shared out among its segments.
+//! The distribution of a road's length among its segments.
 
-/// Shares below this length, in metres, are rounding errors of a share of almost nothing.
+/// A share below this length, in metres, is the rounding error of a share that is almost zero.
 const VANISHING: f64 = 1e-9;
 
-/// Lengths of the segments: each its minimum and its proportion of what is left of `length`. They
-/// are multiples of the [`quantum`] and sum to `length` exactly, in any order; a length of
-/// under a nanometre becomes 0.
+/// Returns the lengths of the segments: each is its minimum plus its proportion of the rest of `length`. The
+/// lengths are multiples of the [`quantum`] and sum to `length` exactly, in any order. A length of less than a
+/// nanometre becomes 0.
 ///
 /// ```
 /// use envgen::road::lengths;
@@ -22,8 +22,8 @@ pub fn lengths(length: f64, minima: &[f64], proportions: &[f64]) -> Vec<f64> {
     lengths
 }
 
-/// Rounds lengths that sum to about `length` so that they sum to it exactly: down to multiples of
-/// the quantum, with the rest in the longest.
+/// Rounds lengths that sum to about `length` so that they sum to it exactly: each is rounded down to a multiple of
+/// the quantum, and the longest receives the rest.
 pub(super) fn settle(lengths: &mut [f64], length: f64) {
     let quantum = quantum(length);
     lengths.iter_mut().for_each(|l| *l = (*l / quantum).floor() * quantum);
@@ -34,15 +34,15 @@ pub(super) fn settle(lengths: &mut [f64], length: f64) {
     }
 }
 
-/// The least power of two whose multiples up to `length` are exact numbers, so that sums of them up to
-/// `length` are exact.
+/// Returns the least power of two whose multiples up to `length` are exact numbers, so that their sums up to
+/// `length` are exact, too.
 pub fn quantum(length: f64) -> f64 {
     let (_, exponent) = libm::frexp(length);
     libm::ldexp(1.0, exponent - 53)
 }
 
-/// Divides `count` in proportion to `lengths` by largest remainder: each gets the whole part of
-/// its quota, and what is left goes to the largest fractions, to the lower index among equals.
+/// Divides `count` in proportion to `lengths` by the method of the largest remainder: each receives the whole part
+/// of its quota, and the rest goes to the largest fractions; of equal ones, to those with lower index.
 ///
 /// ```
 /// use envgen::road::largest_remainder;

@@ -1,4 +1,4 @@
-//! A road: its segments, its waypoints and the exact centreline behind them.
+//! The blueprint of a road: its segments, its waypoints and its exact centreline.
 
 use std::sync::OnceLock;
 
@@ -12,11 +12,11 @@ use crate::geometry::Pose;
 use crate::seed::Seed;
 use crate::world::RoadPoint;
 
-/// What a segment of a road is.
+/// The kind of a road's segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SegmentKind {
-    /// Straight on.
+    /// A straight.
     Straight,
     /// A turn to the left.
     Left,
@@ -25,12 +25,12 @@ pub enum SegmentKind {
 }
 
 impl SegmentKind {
-    /// Whether it is a turn.
+    /// Returns whether the segment is a turn.
     pub fn is_turn(self) -> bool {
         self != SegmentKind::Straight
     }
 
-    /// 1 for a left turn, -1 for a right turn, 0 for a straight.
+    /// Returns 1 for a left turn, -1 for a right turn and 0 for a straight.
     pub fn sign(self) -> f64 {
         match self {
             SegmentKind::Straight => 0.0,
@@ -43,15 +43,15 @@ impl SegmentKind {
 /// A segment of a road.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RoadSegment {
-    /// What it is.
+    /// The kind of the segment.
     pub kind: SegmentKind,
-    /// Number of waypoints on it.
+    /// Number of waypoints on the segment.
     pub waypoints: u64,
     /// Least radius in metres; `None` for a straight.
     pub radius: Option<f64>,
     /// Signed curvature in 1/m at the tightest point, positive to the left.
     pub curvature: f64,
-    /// Distance along the road at which it starts, in metres.
+    /// Distance along the road at which the segment starts, in metres.
     pub start: f64,
     /// Length in metres.
     pub length: f64,
@@ -59,10 +59,10 @@ pub struct RoadSegment {
     pub angle: f64,
 }
 
-/// A road, with the spec and seed that it was drawn for.
+/// A road, with the spec and seed from which it was drawn.
 ///
-/// As JSON it is an object of `length`, `step`, `closed`, `attempts`, `end` (x, y, heading),
-/// `segments` and `waypoints` (each x, y, heading, curvature).
+/// Its JSON is an object of `length`, `step`, `closed`, `attempts`, `end` (x, y, heading), `segments` and
+/// `waypoints` (each x, y, heading, curvature).
 #[derive(Clone, Debug)]
 pub struct Road {
     pub(super) spec: Box<RoadSpec>,
@@ -77,7 +77,7 @@ pub struct Road {
     pub(super) index: OnceLock<PathIndex>,
 }
 
-/// Roads are equal when all that was drawn is equal; whether the index exists already does not count.
+/// Roads are equal if everything that was drawn is equal, whether or not the index exists already.
 impl PartialEq for Road {
     fn eq(&self, other: &Road) -> bool {
         self.spec == other.spec
@@ -90,71 +90,72 @@ impl PartialEq for Road {
 }
 
 impl Road {
-    /// The settings.
+    /// Returns the spec.
     pub fn spec(&self) -> &RoadSpec {
         &self.spec
     }
 
-    /// The seed that it was drawn with.
+    /// Returns the seed with which the road was drawn.
     pub fn seed(&self) -> Seed {
         self.seed
     }
 
-    /// Whether other laws than the spec's gave its lengths or its turns.
+    /// Returns whether distributions other than the spec's gave its lengths or its turns.
     pub fn edited(&self) -> bool {
         self.edited
     }
 
-    /// Attempts that were needed: 1 unless the spec allows more.
+    /// Returns the number of attempts that were needed, which is 1 unless the spec allows more.
     pub fn attempts(&self) -> u64 {
         self.attempts
     }
 
-    /// Length in metres: the spec's, unless the road aims at a point.
+    /// Returns the length in metres. It is the spec's length, unless the road aims at a point.
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Distance between waypoints in metres: the length divided by their number. With lengths as published,
-    /// the waypoints of each segment lie evenly on it instead, this far from each other on average.
+    /// Returns the distance between waypoints in metres: the length divided by their number. With lengths as
+    /// published, the waypoints of each segment are spread evenly on the segment instead, and this is their average
+    /// distance.
     pub fn step(&self) -> f64 {
         self.step
     }
 
-    /// The segments in travel order.
+    /// Returns the segments in the direction of travel.
     pub fn segments(&self) -> &[RoadSegment] {
         &self.segments
     }
 
-    /// The waypoints. The first is the start; the last lies one step before the end.
+    /// Returns the waypoints. The first is the start of the road; the last lies one step before its end.
     pub fn waypoints(&self) -> &[RoadPoint] {
         &self.waypoints
     }
 
-    /// The exact centreline. Turns with transitions are three pieces of it, or two.
+    /// Returns the exact centreline. A turn with transitions consists of three pieces, or two.
     pub fn path(&self) -> &Path<'static> {
         &self.path
     }
 
-    /// The pose where the road ends.
+    /// Returns the pose at the end of the road.
     pub fn end(&self) -> Pose {
         self.path.curves().last().map_or(self.spec.start(), Curve::end)
     }
 
-    /// The pose at `s` metres along the road; before the start and after the end the curve of its first or
+    /// Returns the pose at `s` metres along the road. Before the start and after the end, the curve of the first or
     /// last piece continues.
     pub fn pose_at(&self, s: f64) -> Pose {
         self.path.pose_at(s)
     }
 
-    /// The curvature at `s` metres along the road in 1/m, positive to the left.
+    /// Returns the curvature at `s` metres along the road in 1/m, positive to the left.
     pub fn curvature_at(&self, s: f64) -> f64 {
         self.path.curvature_at(s)
     }
 
-    /// Where a point lies relative to the road: the nearest point of the exact centreline. `None`
-    /// for a point that is not finite. Time: about the logarithm of the number of segments; the
-    /// first call also builds the index.
+    /// Returns the position of a point relative to the road, by the nearest point of the exact centreline; `None`
+    /// for a point that is not finite. It takes time logarithmic in the number of segments; the first call also
+    /// builds the index.
     ///
     /// ```
     /// use envgen::{Seed, Spec, road::RoadSpec, glam::DVec2};
@@ -170,7 +171,7 @@ impl Road {
         self.index().locate(point)
     }
 
-    /// The index behind [`Road::locate`].
+    /// Returns the index that [`Road::locate`] uses.
     pub fn index(&self) -> &PathIndex {
         self.index.get_or_init(|| PathIndex::new(&self.path))
     }
@@ -178,7 +179,7 @@ impl Road {
 
 impl Serialize for Road {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        /// Writes items one by one, without a copy of the list.
+        /// Serialises items one by one, without a copy of the list.
         struct Rows<'a>(&'a [RoadPoint]);
         impl Serialize for Rows<'_> {
             fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

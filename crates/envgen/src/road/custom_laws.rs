@@ -1,4 +1,4 @@
-//! Roads drawn from laws of the caller.
+//! Roads drawn from distributions of the caller.
 
 #[cfg(feature = "rand")]
 use rand::distr::Distribution;
@@ -10,7 +10,7 @@ use crate::distribution::Law;
 use crate::distribution::law;
 use crate::seed::Stream;
 
-/// What replaces the laws of a [`RoadSpec`](super::RoadSpec) in `RoadSpec::generate_with_laws`.
+/// Distributions that replace those of a [`RoadSpec`](super::RoadSpec) in `RoadSpec::generate_with_laws`.
 ///
 /// ```
 /// use envgen::Seed;
@@ -36,34 +36,34 @@ pub struct RoadLaws<'a> {
 
 #[cfg(feature = "rand")]
 impl<'a> RoadLaws<'a> {
-    /// None: the spec's own laws.
+    /// Creates a set without distributions, which keeps those of the spec.
     pub fn new() -> Self {
         RoadLaws::default()
     }
 
-    /// The lengths of the segments: finite numbers of at least 0, drawn for one segment after the other,
-    /// of which only the ratios count. They share out the `length` of the spec, or what `lengths` =
-    /// `reserve` leaves of it. `alpha` is unused: its Dirichlet law is that of gamma variates of this
-    /// shape.
+    /// Sets the distribution of the segments' lengths: finite numbers of at least 0, drawn for one segment after
+    /// the other. Only their ratios count. They divide the `length` of the spec, or the rest of it that `lengths` =
+    /// `reserve` leaves. The spec's `alpha` is then unused: its Dirichlet distribution is that of gamma variates of
+    /// this shape.
     pub fn lengths(self, lengths: impl Distribution<f64> + Send + Sync + 'a) -> Self {
         RoadLaws { lengths: Some(law(lengths)), ..self }
     }
 
-    /// Where the radius of each turn lies between its least and its greatest, from 0 to 1; the angle, where
-    /// `turn_law` of the spec is `uniform_angle`, and where the angles of a closed road are drawn again
-    /// because they do not close it.
+    /// Sets the distribution of the turns: numbers from 0 to 1 that place the radius of each turn between its least
+    /// and its greatest value. They place the angle instead where `turn_law` of the spec is `uniform_angle`, and
+    /// where the angles of a closed road are drawn again because they do not close it.
     pub fn turns(self, turns: impl Distribution<f64> + Send + Sync + 'a) -> Self {
         RoadLaws { turns: Some(law(turns)), ..self }
     }
 }
 
 impl RoadLaws<'_> {
-    /// Whether there is any.
+    /// Whether there is any distribution.
     pub(super) fn any(&self) -> bool {
         self.lengths.is_some() || self.turns.is_some()
     }
 
-    /// The proportions of the lengths of `count` segments, which sum to 1.
+    /// Draws the proportions of the lengths of `count` segments, which sum to 1.
     pub(super) fn proportions(
         &self,
         alpha: &Concentration,
@@ -90,7 +90,7 @@ impl RoadLaws<'_> {
         Ok(shares)
     }
 
-    /// Where a turn lies between its limits, from 0 to 1; `None` where the spec's law says so.
+    /// Draws the position of a turn between its limits, from 0 to 1; `None` if the spec's distribution applies.
     pub(super) fn turn_share(
         &self,
         segment: usize,

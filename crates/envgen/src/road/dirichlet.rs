@@ -1,4 +1,4 @@
-//! The Dirichlet law of the lengths, and its concentration: how similar the lengths are.
+//! The Dirichlet distribution of the lengths, and its concentration, which determines how similar they are.
 
 use std::fmt;
 
@@ -8,24 +8,24 @@ use crate::distribution::ln_gamma_variate;
 use crate::error::SpecError;
 use crate::seed::Stream;
 
-/// The concentrations that are allowed.
+/// The allowed concentrations.
 pub(super) const ALLOWED: &str = "a number from 1e-6 to 1e12, or a list with one per segment";
 const LIMITS: (f64, f64) = (1e-6, 1e12);
 
-/// The concentration of a Dirichlet law.
+/// The concentration of a Dirichlet distribution.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Concentration {
-    /// The same for every segment.
+    /// One concentration for all segments.
     Same(f64),
-    /// One for each segment.
+    /// A concentration for each segment.
     Each(Vec<f64>),
 }
 
 impl Concentration {
-    /// The concentration of segment `i`.
+    /// Returns the concentration of segment `i`.
     ///
     /// # Panics
-    /// When a list of concentrations is shorter than `i + 1`.
+    /// When a list of concentrations has no element `i`.
     pub fn of(&self, i: usize) -> f64 {
         match self {
             Concentration::Same(alpha) => *alpha,
@@ -53,11 +53,11 @@ impl Concentration {
     }
 }
 
-/// Proportions drawn from a Dirichlet law, which sum to 1: `count` of them, all with the one
-/// concentration or each with its own.
+/// Draws `count` proportions from a Dirichlet distribution, which sum to 1. They all have the same concentration,
+/// or each has its own.
 ///
-/// Gamma variates are drawn and normalised as logarithms, so that very small concentrations such as
-/// 1e-6 work too: one proportion is then 1 and the others are 0, as the law requires.
+/// Gamma variates are drawn and normalised as logarithms, so that very small concentrations such as 1e-6 work as
+/// well: one proportion is then 1 and the others are 0, as the distribution requires.
 ///
 /// ```
 /// use envgen::Seed;
@@ -113,7 +113,7 @@ impl<'de> Deserialize<'de> for Concentration {
                 Ok(Concentration::Same(alpha as f64))
             }
 
-            /// The command line's form, `1,2,1`.
+            /// Reads the form of the command line, such as `1,2,1`.
             fn visit_str<E: de::Error>(self, text: &str) -> Result<Concentration, E> {
                 let number = |part: &str| part.trim().parse().map_err(E::custom);
                 let mut alphas: Vec<f64> = text.split(',').map(number).collect::<Result<_, E>>()?;

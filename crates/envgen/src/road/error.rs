@@ -1,39 +1,39 @@
-//! Why a road could not be generated.
+//! Errors of generating roads.
 
 use thiserror::Error;
 
 use crate::error::SpecError;
 
-/// Why a road could not be generated from a valid spec.
+/// The reasons why a road could not be generated.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RoadError {
-    /// The spec asks for something that is not allowed.
+    /// The spec has a setting that is not allowed.
     #[error(transparent)]
     Spec(#[from] SpecError),
-    /// The drawn length of a turn is too short for every radius that is allowed.
+    /// The drawn length of a turn is too short for every allowed radius.
     #[error(
         "segment {segment}, a turn, got {length:.3} m, which allows radii up to {greatest:.3} m, \
          but at least {least:.3} m are needed; `lengths` = reserve always leaves enough"
     )]
     TurnTooShort {
-        /// The segment, counted from 1.
+        /// The number of the segment, counted from 1.
         segment: usize,
-        /// Its length in metres.
+        /// Length of the segment in metres.
         length: f64,
         /// The least radius in metres that speed, friction and width allow.
         least: f64,
         /// The greatest radius in metres that the least angle allows.
         greatest: f64,
     },
-    /// The road covers itself.
+    /// The road overlaps itself.
     #[error(
         "the road covers itself: {first:.3} m from the start it overlaps its part at {second:.3} m"
     )]
     Crossing {
-        /// Distance along the road in metres.
+        /// Distance of the overlapping part along the road in metres.
         first: f64,
-        /// The other distance along the road in metres.
+        /// Distance of the other overlapping part along the road in metres.
         second: f64,
     },
     /// The road leaves its area.
@@ -42,17 +42,17 @@ pub enum RoadError {
         /// Side of the square in metres.
         side: f64,
     },
-    /// No lengths of the straights let the road end at the requested point.
+    /// The road cannot end at the requested point with any lengths of its straights.
     #[error(
         "the road cannot end at ({x}, {y}): with the drawn turns no lengths of its straights of at \
          least {shortest} m each lead there"
     )]
     Unreachable {
-        /// x of the point in metres.
+        /// The x coordinate of the point in metres.
         x: f64,
-        /// y of the point in metres.
+        /// The y coordinate of the point in metres.
         y: f64,
-        /// Least length of a straight in metres.
+        /// The least length of a straight in metres.
         shortest: f64,
     },
     /// The straights that would lead to the requested point are too long.
@@ -61,14 +61,14 @@ pub enum RoadError {
          waypoints are the most"
     )]
     TooLong {
-        /// Length in metres that it would need.
+        /// Length of the road in metres that this would need.
         length: f64,
         /// Greatest length in metres.
         most: f64,
         /// Greatest number of waypoints.
         waypoints: u64,
     },
-    /// The turns of the road cannot add up to whole circles.
+    /// The angles of the road's turns cannot add up to full circles.
     #[error(
         "the road cannot close: its turns add up to {least:.1} to {greatest:.1} degrees, and {} is \
          needed",
@@ -79,60 +79,60 @@ pub enum RoadError {
         least: f64,
         /// Greatest sum in degrees.
         greatest: f64,
-        /// Whether the road may cross itself: the sum can then be any multiple of 360 degrees.
+        /// Whether the road may cross itself, so that the sum can be any multiple of 360 degrees.
         crosses: bool,
     },
-    /// The road always leads away from its start.
+    /// All directions of the road lead away from its start.
     #[error(
         "the road cannot close: its directions differ by at most {greatest:.1} degrees, and more than \
          180 are needed; give it more turns to one side or a greater `theta_max`"
     )]
     LeadsAway {
-        /// Greatest difference of two headings of the road in degrees.
+        /// The greatest difference between two headings of the road in degrees.
         greatest: f64,
     },
     /// No lengths within their limits close the road.
     #[error("no segment lengths close the road after {tries} draws of the turn angles")]
     NotClosed {
-        /// Draws of the angles that were tried.
+        /// Number of draws of the angles that were tried.
         tries: u64,
     },
-    /// A law of lengths that replaces the spec's gave a number that is not allowed.
+    /// A distribution of lengths that replaces the spec's gave a number that is not allowed.
     #[error(
         "the law of `lengths` must give finite numbers of at least 0, got {value:?} for segment \
          {segment}"
     )]
     LengthLaw {
-        /// The segment, counted from 1.
+        /// The number of the segment, counted from 1.
         segment: usize,
-        /// What it gave.
+        /// The number that it gave.
         value: f64,
     },
-    /// A law of lengths that replaces the spec's gave 0 for every segment.
+    /// A distribution of lengths that replaces the spec's gave 0 for every segment.
     #[error(
         "the law of `lengths` must give a number over 0 for at least one of the {segments} segments, \
          got 0 for all"
     )]
     NoLengths {
-        /// The number of segments.
+        /// Number of segments.
         segments: usize,
     },
-    /// A law of turns that replaces the spec's gave a number that is not allowed.
+    /// A distribution of turns that replaces the spec's gave a number that is not allowed.
     #[error(
         "the law of `turns` must give numbers from 0 to 1, got {value:?} for segment {segment}"
     )]
     TurnLaw {
-        /// The segment, counted from 1.
+        /// The number of the segment, counted from 1.
         segment: usize,
-        /// What it gave.
+        /// The number that it gave.
         value: f64,
     },
     /// Every attempt failed.
     #[error("no road in {attempts} attempts; the last: {last}")]
     Attempts {
-        /// Attempts made.
+        /// Number of attempts made.
         attempts: u64,
-        /// Why the last one failed.
+        /// The error of the last attempt.
         last: Box<RoadError>,
     },
 }

@@ -1,16 +1,16 @@
-//! Lengths that lead to a given point: those nearest to the drawn ones.
+//! Lengths that lead to a given point and are nearest to the drawn ones.
 
-/// The most Newton steps; after these there is no solution.
+/// The greatest number of Newton steps. After these, there is taken to be no solution.
 const MOST_STEPS: u32 = 100;
 
-/// The lengths x nearest to `wanted` in the sum of squares for which x >= `least` and the sum of
-/// `columns`[i] x[i] is `target`; `None` when there is no solution, or when the only ones are many times
+/// Returns the lengths x nearest to `wanted`, by the sum of squares, for which x >= `least` and the sum of
+/// `columns`[i] x[i] is `target`. Returns `None` if there is no solution, or if the only solutions are many times
 /// as long as the target because all directions are nearly opposite or parallel.
 ///
-/// The dual problem has one multiplier per equation: x(m) = max(least, wanted + columns m), and the
-/// equations' residual is the gradient of a convex, piecewise quadratic function of m. Newton's
-/// method with a line search finds its minimum in finitely many steps; without a solution the
-/// function has no minimum. Each step costs one pass over the lengths.
+/// The dual problem has one multiplier per equation: x(m) = max(least, wanted + columns m), and the residual of the
+/// equations is the gradient of a convex, piecewise quadratic function of m. Newton's method with a line search
+/// finds its minimum in finitely many steps; without a solution, the function has no minimum. Each step costs one
+/// pass over the lengths.
 pub(super) fn nearest_lengths<const M: usize>(
     wanted: &[f64],
     least: &[f64],
@@ -55,7 +55,7 @@ struct Problem<'a, const M: usize> {
     target: [f64; M],
 }
 
-/// The dual function at some multipliers.
+/// The dual function at given multipliers.
 struct Dual<const M: usize> {
     value: f64,
     residual: [f64; M],
@@ -102,7 +102,7 @@ fn norm<const M: usize>(a: &[f64; M]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Gaussian elimination with pivots; `None` for a singular matrix.
+/// Solves linear equations by Gaussian elimination with pivoting; `None` for a singular matrix.
 fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Option<[f64; M]> {
     for k in 0..M {
         let pivot = (k..M).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;
@@ -125,8 +125,8 @@ fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Option<[f64; 
     Some(b)
 }
 
-/// The angles nearest to `wanted` between `least` and `most`, all positive, whose sum with `signs`
-/// is `target`; `None` when the limits do not allow it.
+/// Returns the angles nearest to `wanted` between `least` and `most`, all positive, whose sum with `signs` is
+/// `target`; `None` if the limits do not allow it.
 pub(super) fn nearest_angles(
     wanted: &[f64],
     signs: &[f64],
@@ -166,8 +166,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Whether directions can be added with positive factors to reach a point: it lies between two
-    /// of them, or on one.
+    /// Whether directions can be added with positive factors to reach a point, which is the case if the point lies
+    /// between two of them, or on one.
     fn in_cone(directions: &[[f64; 2]], p: [f64; 2], slack: f64, least_turn: f64) -> bool {
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
         let inside = |a: [f64; 2], b: [f64; 2]| {

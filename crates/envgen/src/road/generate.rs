@@ -1,4 +1,4 @@
-//! From a spec and a seed to a road.
+//! Generates a road from a spec and a seed.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
@@ -23,13 +23,13 @@ use crate::seed::Seed;
 use crate::settings::Allowed;
 use crate::world::RoadPoint;
 
-/// Draws of the angles of a closed road, unless the whole road is drawn again.
+/// Number of draws of the angles of a closed road, unless the whole road is drawn again.
 const CLOSING_TRIES: u64 = 64;
 
-/// An end as near as this to its target, in metres, has reached it: half of the promised distance.
+/// An end within this distance of its target, in metres, has reached it. It is half of the promised distance.
 const ON_POINT: f64 = 5e-10;
 
-/// The road of a valid spec; laws of the caller replace the spec's own.
+/// Generates the road of a valid spec. Distributions of the caller replace those of the spec.
 pub(super) fn road(spec: &RoadSpec, seed: Seed, laws: &RoadLaws<'_>) -> Result<Road, RoadError> {
     if spec.crossing != Crossing::Resample {
         return Attempt { spec, seed, laws, number: 0 }.road();
@@ -46,7 +46,7 @@ pub(super) fn road(spec: &RoadSpec, seed: Seed, laws: &RoadLaws<'_>) -> Result<R
 }
 
 impl RoadError {
-    /// Whether another draw may succeed.
+    /// Whether another draw may succeed after this error.
     fn is_chance(&self) -> bool {
         !matches!(
             self,
@@ -59,7 +59,7 @@ impl RoadError {
     }
 }
 
-/// One attempt at a road.
+/// One attempt to generate a road.
 struct Attempt<'a> {
     spec: &'a RoadSpec,
     seed: Seed,
@@ -87,7 +87,7 @@ impl Attempt<'_> {
         Ok(self.build(&parts, path))
     }
 
-    /// The segments as drawn: kinds, lengths and radii.
+    /// Draws the segments: kinds, lengths and radii.
     fn parts(&self) -> Result<Vec<Part>, RoadError> {
         let spec = self.spec;
         let kinds = self.kinds();
@@ -148,7 +148,7 @@ impl Attempt<'_> {
             .collect()
     }
 
-    /// Solves the straights' lengths so that the road ends at a point; angles and arcs are kept.
+    /// Changes the lengths of the straights so that the road ends at a point. Angles and arcs are kept.
     fn aim(&self, parts: &mut [Part], aim: DVec2) -> Result<(), RoadError> {
         let spec = self.spec;
         let mut heading = spec.start().heading;
@@ -196,7 +196,7 @@ impl Attempt<'_> {
         Ok(())
     }
 
-    /// Solves angles and lengths so that the road returns to its start with the heading it had.
+    /// Changes angles and lengths so that the road returns to its start with its initial heading.
     fn close(&self, parts: &mut [Part]) -> Result<(), RoadError> {
         let spec = self.spec;
         let limits = spec.turn_limits();
@@ -227,9 +227,9 @@ impl Attempt<'_> {
         Err(RoadError::NotClosed { tries })
     }
 
-    /// The multiples of a full turn that the angles can add up to, in the order in which they are
-    /// tried: once around first, as for every circuit that does not cross itself; then the others,
-    /// nearest to the drawn angles first.
+    /// Returns the multiples of a full turn to which the angles can add up, in the order in which they are tried:
+    /// first once around, as for every circuit that does not cross itself; then the others, with those nearest to
+    /// the drawn angles first.
     fn whole_turns(
         &self,
         signs: &[f64],
@@ -264,7 +264,7 @@ impl Attempt<'_> {
         Ok(turns.into_iter().map(|turn| turn as f64 * TAU).collect())
     }
 
-    /// Solves the lengths for given angles of the turns; `None` where there is no solution.
+    /// Solves for the lengths with given angles of the turns; `None` if there is no solution.
     fn close_lengths(
         &self,
         parts: &[Part],
@@ -331,7 +331,7 @@ impl Attempt<'_> {
         Path::new(curves)
     }
 
-    /// The distances along the road at which the segments start, and its length.
+    /// Returns the distances along the road at which the segments start, and its length.
     fn starts(&self, parts: &[Part], path: &Path<'_>) -> Vec<f64> {
         let mut piece = 0;
         let mut starts = vec![0.0];
@@ -396,8 +396,8 @@ impl Attempt<'_> {
     }
 }
 
-/// The greatest difference of two headings of a road whose turns have the given signs and angles between `least` and
-/// `most`: the greatest sum of consecutive turns, to either side.
+/// Returns the greatest difference between two headings of a road whose turns have the given signs and angles
+/// between `least` and `most`: the greatest sum of consecutive turns, to either side.
 fn widest_turning(signs: &[f64], (least, most): (f64, f64)) -> f64 {
     let to_side = |side: f64| {
         let mut sum = 0.0_f64;
@@ -415,14 +415,14 @@ fn end_of(path: &Path<'_>, start: Pose) -> Pose {
 
 #[cfg(feature = "rand")]
 impl RoadSpec {
-    /// Generates a road from other laws than the spec's. Without any in `laws` it is the road of
-    /// [`Spec::generate`]; otherwise the provenance cannot hold them and is therefore marked as
+    /// Generates a road from other distributions than the spec's. If `laws` is empty, the result is the road of
+    /// [`Spec::generate`]. Otherwise the provenance cannot contain the distributions and is therefore marked as
     /// edited. All limits of the spec are kept.
     ///
     /// # Errors
-    /// As [`Spec::generate`], and when a law gives a number that is not allowed:
-    /// [`RoadError::LengthLaw`], [`RoadError::NoLengths`] or [`RoadError::TurnLaw`]. These end the
-    /// generation even where `crossing` is `resample`.
+    /// As [`Spec::generate`], and when a distribution gives a number that is not allowed: [`RoadError::LengthLaw`],
+    /// [`RoadError::NoLengths`] or [`RoadError::TurnLaw`]. These errors end the generation even if `crossing` is
+    /// `resample`.
     pub fn generate_with_laws(&self, seed: Seed, laws: &RoadLaws<'_>) -> Result<Road, RoadError> {
         self.validate()?;
         road(self, seed, laws)

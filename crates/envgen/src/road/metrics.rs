@@ -1,4 +1,4 @@
-//! Measures of a road.
+//! Metrics of a road.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use super::blueprint::Road;
 use super::turn::GRAVITY;
 use crate::curve::overlap::strip_overlap;
 
-/// Numbers that describe a road.
+/// The metrics of a road.
 ///
 /// ```
 /// use envgen::road::{Prefab, RoadSpec};
@@ -40,11 +40,11 @@ pub struct RoadMetrics {
     pub lateral_acceleration: f64,
     /// Greatest speed in m/s at which friction is sufficient in every turn; `None` without turns.
     pub max_speed: Option<f64>,
-    /// Distance between start and end over the length, 1 for a straight road.
+    /// Distance between start and end divided by the length, which is 1 for a straight road.
     pub directness: f64,
-    /// Whether the road covers itself.
+    /// Whether the road overlaps itself.
     pub crosses_itself: bool,
-    /// Attempts that were needed.
+    /// Number of attempts that were needed.
     pub attempts: u64,
 }
 

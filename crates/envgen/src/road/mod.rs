@@ -1,16 +1,16 @@
-//! Procedural roads: a length is shared out at random among straights and turns.
+//! Procedural roads: a length is divided at random among straights and turns.
 //!
-//! Source: [Pseudo-random procedural roads](https://pim-n.github.io/pg-rad/explainers/prefab_roads/),
-//! of the documentation of `pg-rad`: the lengths of a list of prefabs follow a Dirichlet law, the
-//! radius of a turn is uniform between what speed and angle allow.
+//! Source: [Pseudo-random procedural roads](https://pim-n.github.io/pg-rad/explainers/prefab_roads/), in the
+//! documentation of `pg-rad`: the lengths of a list of prefabs follow a Dirichlet distribution, and the radius of a
+//! turn is uniform between the limits given by speed and angle.
 //!
 //! - [`RoadSpec`] and [`Road`]: the settings, and the drawn road with its exact centreline.
-//! - [`dirichlet`], [`lengths`], [`largest_remainder`]: how the length is shared out.
-//! - [`TurnLimits`]: the radii that a turn can have.
+//! - [`dirichlet`], [`lengths`], [`largest_remainder`]: the division of the length.
+//! - [`TurnLimits`]: the allowed radii of a turn.
 //!
-//! Differences from the source: lengths are in metres throughout, where the source's code uses
-//! waypoints as metres, so that its radii change with the step; `lengths` = `reserve` leaves every turn
-//! the length that it needs, where the source has no valid radius for a turn that is too short.
+//! There are two differences from the source. All lengths are in metres, whereas the source's code uses numbers of
+//! waypoints as metres, so that its radii change with the step. And `lengths` = `reserve` leaves every turn the
+//! length that it needs, whereas the source has no valid radius for a turn that is too short.
 
 mod apportion;
 mod blueprint;

@@ -1,4 +1,4 @@
-//! A segment of a road before it is placed.
+//! Segments of a road before they are placed.
 
 use glam::DVec2;
 
@@ -8,14 +8,14 @@ use super::spec::RoadSpec;
 use crate::curve::Curve;
 use crate::geometry::Pose;
 
-/// A segment before it is placed; lengths and radii in metres.
+/// A segment before it is placed, with lengths and radii in metres.
 #[derive(Clone, Copy)]
 pub(super) struct Part {
     pub(super) kind: SegmentKind,
     pub(super) length: f64,
-    /// Length of each of its two clothoids.
+    /// Length of each of the two clothoids of the segment.
     pub(super) ramp: f64,
-    /// Infinite for a straight.
+    /// Radius; infinite for a straight.
     pub(super) radius: f64,
 }
 
@@ -24,7 +24,7 @@ impl Part {
         Part { kind: SegmentKind::Straight, length, ramp: 0.0, radius: f64::INFINITY }
     }
 
-    /// Signed curvature at its tightest point, in 1/m.
+    /// Returns the signed curvature at the tightest point, in 1/m.
     pub(super) fn curvature(&self) -> f64 {
         match self.kind {
             SegmentKind::Straight => 0.0,
@@ -33,12 +33,12 @@ impl Part {
         }
     }
 
-    /// Angle by which it turns, positive to the left.
+    /// Returns the angle of the turn, positive to the left.
     pub(super) fn angle(&self) -> f64 {
         (self.length - self.ramp) * self.curvature()
     }
 
-    /// The curves that it consists of, starting at a pose.
+    /// Returns the curves of the segment, starting at a pose.
     pub(super) fn pieces(&self, start: Pose) -> impl Iterator<Item = Curve> {
         let k = self.curvature();
         let steps =
@@ -53,14 +53,14 @@ impl Part {
         )
     }
 
-    /// The displacement from its start to its end, for the heading at the start.
+    /// Returns the displacement from the start to the end of the segment, for a given heading at the start.
     pub(super) fn displacement(&self, heading: f64) -> DVec2 {
         let start = Pose { position: DVec2::ZERO, heading };
         self.pieces(start).last().map_or(DVec2::ZERO, |curve| curve.end().position)
     }
 }
 
-/// Length of each of the two clothoids of a turn, rounded such that sums of lengths stay exact.
+/// Returns the length of each of the two clothoids of a turn, rounded so that sums of lengths remain exact.
 pub(super) fn ramp(length: f64, spec: &RoadSpec) -> f64 {
     let quantum = quantum(spec.length);
     (spec.transition * length / quantum).floor() * quantum

@@ -11,19 +11,20 @@ use crate::geometry::{Pose, unit_vector};
 use crate::settings;
 use crate::world::KERB;
 
-/// Most waypoints that a road can have.
+/// The greatest number of waypoints of a road.
 pub const MAX_WAYPOINTS: u64 = 2_000_000;
 
-/// How far in metres the strip's border may stray from the points at which the area is checked.
+/// The greatest deviation in metres of the strip's border from the points at which the area is checked.
 pub(super) const AREA_TOLERANCE: f64 = 1e-3;
 
-/// The narrowest kerbs, in metres: far from the origin, rounding takes the area of narrower ones.
+/// The least width of kerbs in metres. Far from the origin, narrower kerbs lose their area to rounding.
 const LEAST_KERB: f64 = 1e-6;
 
-/// Most segments that a road can have.
+/// The greatest number of segments of a road.
 pub const MAX_SEGMENTS: usize = 4096;
 
-/// Written where it is set, so that the files of other roads stay as they were before it existed.
+/// Whether the height is the default, which files omit, so that the files of other roads are the same as before the
+/// setting existed.
 fn is_kerb_height(value: &f64) -> bool {
     *value == KERB.top()
 }
@@ -129,7 +130,7 @@ settings! {
 }
 
 impl RoadSpec {
-    /// A road by the rules of the SBFT tool competition for self-driving cars: inside a square of
+    /// Creates a road by the rules of the SBFT tool competition for self-driving cars: inside a square of
     /// 200 m, at most 500 points, two lanes of 4 m, radii of at least 14.4 m, longer than 40 m, and
     /// a strip of 8 m that does not cover itself.
     ///
@@ -161,7 +162,7 @@ impl RoadSpec {
         }
     }
 
-    /// The limits of the road's turns, in radians and metres.
+    /// Returns the limits of the road's turns, in radians and metres.
     pub fn turn_limits(&self) -> TurnLimits {
         TurnLimits {
             theta_min: self.theta_min.to_radians(),
@@ -171,12 +172,12 @@ impl RoadSpec {
         }
     }
 
-    /// Where the road starts.
+    /// Returns where the road starts.
     pub fn start(&self) -> Pose {
         Pose::new(self.start_x, self.start_y, self.start_heading.to_radians())
     }
 
-    /// The point where the road should end.
+    /// Returns the point where the road should end.
     pub fn aim(&self) -> Option<glam::DVec2> {
         Some(glam::DVec2::new(self.end_x?, self.end_y?))
     }

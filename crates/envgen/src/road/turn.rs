@@ -33,18 +33,18 @@ pub struct TurnLimits {
 }
 
 impl TurnLimits {
-    /// The length in metres of a turn as if it kept its greatest curvature throughout: a clothoid
+    /// Returns the length in metres of a turn as if it kept its greatest curvature throughout: a clothoid
     /// counts half, so this is the turn's angle times its least radius.
     pub fn effective(&self, length: f64) -> f64 {
         (1.0 - self.transition) * length
     }
 
-    /// The shortest turn that the limits allow, in metres.
+    /// Returns the shortest turn that the limits allow, in metres.
     pub fn shortest(&self) -> f64 {
         self.theta_min * self.least_radius / (1.0 - self.transition)
     }
 
-    /// Least and greatest radius in metres of a turn of the given length; the first exceeds the
+    /// Returns the least and greatest radius in metres of a turn of the given length; the first exceeds the
     /// second when no radius is allowed.
     ///
     /// ```
