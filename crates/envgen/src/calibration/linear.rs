@@ -1,18 +1,18 @@
-//! Linear models of the dials.
+//! Linear models that predict the dials.
 
 use serde::{Deserialize, Serialize};
 
 use crate::dials::{Dials, Estimate};
 
-/// A number that models depend on, by `ln(1 + x / scale)`, and how it is distributed in the atlas.
+/// A number on which models depend by `ln(1 + x / scale)`, and its distribution in the atlas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Input {
-    /// Its name.
+    /// The name of the number.
     pub name: String,
-    /// Its scale: its median in the atlas where it is not 0.
+    /// The scale: the median of the number in the atlas, where it is not 0.
     pub scale: f64,
-    /// Mean of the logarithm, which replaces it in worlds that do not have it.
+    /// Mean of the logarithm, which is used for worlds that do not have the number.
     pub mean: f64,
     /// Standard deviation of the logarithm.
     pub deviation: f64,
@@ -24,17 +24,18 @@ pub struct Input {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LinearModel {
-    /// The value where every input has its mean.
+    /// The predicted value if every input has its mean.
     pub intercept: f64,
-    /// What one standard deviation of each input adds.
+    /// The increase per standard deviation of each input.
     pub coefficients: Vec<f64>,
-    /// Standard error of predictions at 0 and at 10; linear between.
+    /// Standard errors of predictions at 0 and at 10. Between these, the standard error is interpolated linearly.
     pub standard_errors: [f64; 2],
-    /// Share of the variance between worlds of the atlas that predictions explain of worlds that were left out.
+    /// Share of the variance between worlds of the atlas that is explained by predictions of worlds that were left
+    /// out of the fit.
     pub explained: f64,
 }
 
-/// Models of all dials from the same inputs.
+/// Models of all dials with the same inputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DialModels {
@@ -45,12 +46,13 @@ pub struct DialModels {
 }
 
 impl Input {
-    /// The logarithm of a value.
+    /// Returns the logarithm `ln(1 + value / scale)`.
     pub fn logarithm(value: f64, scale: f64) -> f64 {
         libm::log1p(value.max(0.0) / scale)
     }
 
-    /// A value in standard deviations from the mean, cut to what the atlas has, and whether it was cut.
+    /// Returns a value in standard deviations from the mean, clamped to the range of the atlas, and whether it was
+    /// clamped.
     pub fn standardised(&self, value: Option<f64>) -> (f64, bool) {
         let Some(value) = value.filter(|value| value.is_finite()) else { return (0.0, false) };
         let [least, most] = self.range;
@@ -63,7 +65,7 @@ impl Input {
 }
 
 impl LinearModel {
-    /// The value and its standard error at standardised inputs.
+    /// Returns the prediction and its standard error for standardised inputs.
     pub fn at(&self, inputs: &[f64]) -> Estimate {
         let terms = self.coefficients.iter().zip(inputs).map(|(slope, x)| slope * x);
         let value = terms.fold(self.intercept, |sum, term| sum + term);
@@ -74,7 +76,7 @@ impl LinearModel {
 }
 
 impl DialModels {
-    /// The dials, and the share of the inputs that lie outside the atlas.
+    /// Returns the predicted dials, and the share of the inputs that lie outside the range of the atlas.
     pub fn predict(&self, value: &dyn Fn(&str) -> Option<f64>) -> (Dials<Estimate>, f64) {
         let standardised: Vec<(f64, bool)> =
             self.inputs.iter().map(|input| input.standardised(value(&input.name))).collect();

@@ -1,10 +1,10 @@
-//! Predicted difficulty: how hard a world is on the scale of mapping trials, without simulation.
+//! Predicted difficulty: how difficult a world is on the scale of mapping trials, without simulation.
 //!
-//! The crate `mapping_trial` measures the difficulty of a world by trials of a panel of robots, on a scale
-//! whose 0 and 10 are fixed by worlds of their own. An *atlas* of measured worlds gives linear models
-//! (ridge regression) of three dials: the difficulty `d`, and those of its two sides, mapping `m` and navigation
-//! `n`. A [`Calibration`] holds models from the [difficulty vector](crate::difficulty) of a world, and models
-//! from the settings alone, which choose what to generate. Predictions are the same to the last bit on every
+//! The crate `mapping_trial` measures the difficulty of a world by trials of a panel of robots, on a scale whose
+//! values 0 and 10 are defined by sets of reference worlds. Linear models (ridge regression) of three dials are
+//! fitted to an *atlas* of measured worlds: the difficulty `d`, and its two aspects, mapping `m` and navigation
+//! `n`. A [`Calibration`] holds models from the [difficulty vector](crate::difficulty) of a world, and models from
+//! the settings alone, which are used to choose what to generate. Predictions are the same to the last bit on every
 //! platform.
 //!
 //! ```
@@ -36,25 +36,25 @@ use crate::difficulty::DifficultyVector;
 use crate::kind::WorldKind;
 use crate::world::World;
 
-/// The calibrations of this crate.
+/// The calibrations that are part of this crate.
 static INDOOR: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("indoor.json")));
 static HALLWAY: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("hallway.json")));
 static FOREST: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("forest.json")));
 
-/// A calibration that is part of the crate, and tested.
+/// Parses a calibration that is part of the crate, which tests check.
 fn parse(text: &str) -> Calibration {
     serde_json::from_str(text).expect("the file is a calibration")
 }
 
-/// Models that predict difficulty, with the scale and the atlas that they come from.
+/// Models that predict difficulty, with the scale and the atlas on which they are based.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
-    /// Its version: another one predicts other values.
+    /// Version of the calibration. Another version predicts other values.
     pub version: u32,
-    /// The kind of world that it is about.
+    /// The kind of worlds for which it is made.
     pub kind: String,
-    /// The atlas that it was fitted to.
+    /// The atlas to which it was fitted.
     pub atlas: Atlas,
     /// The scale of its dials.
     pub scale: Scale,
@@ -65,26 +65,26 @@ pub struct Calibration {
     pub settings: Option<DialModels>,
 }
 
-/// Where a calibration comes from.
+/// The measured worlds to which a calibration was fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Atlas {
-    /// The command that ran its trials.
+    /// The command that ran the trials.
     pub command: String,
     /// Number of worlds.
     pub worlds: u32,
     /// Number of trials.
     pub trials: u32,
-    /// SHA-256 of the results of its trials.
+    /// SHA-256 of the results of the trials.
     pub digest: String,
-    /// The measured dials of its worlds, each in order.
+    /// The measured dials of the worlds, each dial sorted.
     #[serde(default)]
     pub dials: Dials<Vec<f64>>,
 }
 
 impl Atlas {
-    /// The percentage of its worlds that measure less than a world of these dials, those that measure the same
-    /// by half; `None` if it has none.
+    /// Returns, for each dial, the percentage of the atlas's worlds that measure less than the given value, where
+    /// worlds that measure the same count half; `None` if the atlas has no measured dials.
     pub fn percentiles(&self, dials: Dials<f64>) -> Option<Dials<f64>> {
         let is_empty = self.dials.difficulty.is_empty();
         let percentile = |(all, value): (&Vec<f64>, f64)| {
@@ -97,13 +97,13 @@ impl Atlas {
 }
 
 impl Calibration {
-    /// The calibration of indoor maps, for the reference panel of `mapping_trial`.
+    /// Returns the calibration of indoor maps, for the reference panel of `mapping_trial`.
     pub fn indoor() -> &'static Calibration {
         &INDOOR
     }
 
-    /// The calibration of a kind of world, by its [name](WorldKind::name): `None` for kinds that have none, that of
-    /// indoor maps for worlds of other tools, which mostly are of buildings.
+    /// Returns the calibration of a kind of world, by its [name](WorldKind::name); `None` for kinds that have none.
+    /// For worlds of other tools, most of which are buildings, it returns the calibration of indoor maps.
     pub fn of(kind: &str) -> Option<&'static Calibration> {
         match WorldKind::named(kind) {
             Some(WorldKind::Indoor) | None => Some(&INDOOR),
@@ -113,7 +113,8 @@ impl Calibration {
         }
     }
 
-    /// The calibration of a world's kind; also of a world that was written to a file of another format and read again.
+    /// Returns the calibration of a world's kind, also for a world that was written to a file of another format and
+    /// read again.
     pub fn of_world(world: &World) -> Option<&'static Calibration> {
         Calibration::of(&world.provenance.original().kind)
     }
@@ -138,8 +139,8 @@ impl Calibration {
         self.prediction(&self.world, &|name| vector.get(name))
     }
 
-    /// Predicts the difficulty of what settings give, from their [`terms`](Input); `None` for kinds that are not
-    /// drawn by difficulty.
+    /// Predicts the difficulty of the worlds that settings give, from the [`terms`](Input) of the settings; `None`
+    /// for kinds that are not drawn by difficulty.
     pub(crate) fn predict_terms(&self, terms: &[(&str, f64)]) -> Option<Prediction> {
         let value = |name: &str| terms.iter().find(|(term, _)| *term == name).map(|(_, v)| *v);
         self.settings.as_ref().map(|settings| self.prediction(settings, &value))

@@ -4,15 +4,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::dials::Dials;
 
-/// A scale from 0 to 10 and beyond: linear between the mean scores of two sets of worlds, the anchors.
+/// A scale from 0 to 10 and beyond, which is linear between the mean scores of two sets of worlds, the anchors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scale {
-    /// The panel whose trials the scores are means of.
+    /// The panel whose trials give the mean scores.
     pub panel: String,
     /// Version of the panel.
     pub panel_version: u32,
-    /// Version of the anchors.
+    /// Version of the set of anchors.
     pub anchors_version: u32,
     /// Mean scores of the easy anchors.
     pub zero: Dials<f64>,
@@ -21,7 +21,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The dials of mean scores D, M and N.
+    /// Converts mean scores D, M and N into dials.
     ///
     /// ```
     /// use envgen::calibration::{Calibration, Dials};
@@ -39,7 +39,7 @@ impl Scale {
             .map(|(score, (zero, ten))| 10.0 * (score - zero) / (ten - zero))
     }
 
-    /// What a difference of one in a score is on each dial.
+    /// Returns, for each dial, the difference on the scale that a score difference of one makes.
     pub fn units(&self) -> Dials<f64> {
         self.zero.zip(self.ten).map(|(zero, ten)| 10.0 / (ten - zero))
     }
