@@ -1,4 +1,4 @@
-//! The landscape that is generated from a spec.
+//! The blueprint of a landscape: the cells that are generated from a spec.
 
 use serde::ser::SerializeSeq;
 use serde::{Serialize, Serializer};
@@ -9,7 +9,7 @@ use super::spec::LandscapeSpec;
 use crate::seed::Seed;
 use crate::world::ClassRaster;
 
-/// A landscape: the class of each cell, with the spec and seed that it was generated from.
+/// A landscape: the class of each cell, with the spec and seed from which it was generated.
 ///
 /// ```
 /// use envgen::landscape::{LandscapeSpec, edge_count};
@@ -48,74 +48,73 @@ impl Landscape {
         Landscape { beta, counts, total_edge, cells, epsilon, sigma, swaps, spec, seed }
     }
 
-    /// Swaps that the Total Edge needed.
+    /// Returns the number of swaps that the Total Edge required.
     pub fn swaps(&self) -> u64 {
         self.swaps
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.spec.rows as usize
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn cols(&self) -> usize {
         self.spec.cols as usize
     }
 
-    /// The class of each cell, counted from 1, row by row from the top.
+    /// Returns the class of each cell, counted from 1, row by row from the top.
     pub fn cells(&self) -> &[u16] {
         &self.cells
     }
 
-    /// Cells of each class, class 1 first.
+    /// Returns the number of cells of each class, with class 1 first.
     pub fn counts(&self) -> &[u32] {
         &self.counts
     }
 
-    /// The ratio of the geometric sequence that the counts follow, as
-    /// [`Composition::beta`].
+    /// Returns the ratio of the geometric sequence that the counts follow, as in [`Composition::beta`].
     pub fn beta(&self) -> f64 {
         self.beta
     }
 
-    /// Entropy of the classes' shares in nats.
+    /// Returns the entropy of the classes' shares in nats.
     pub fn entropy(&self) -> f64 {
         entropy_of(&self.counts)
     }
 
-    /// Number of sides between cells of different class. It is the requested one, or the nearest that
-    /// was found where no landscape of these counts has it.
+    /// Returns the Total Edge: the number of sides between cells of different class. It is the requested number or,
+    /// if no landscape of these counts with that number was found, the nearest one found.
     pub fn total_edge(&self) -> u64 {
         self.total_edge
     }
 
-    /// Total Edge per cell.
+    /// Returns the Total Edge per cell.
     pub fn ted(&self) -> f64 {
         self.total_edge as f64 / self.cells.len() as f64
     }
 
-    /// The automaton's probability of an extra change of class, where the automaton was used.
+    /// Returns the automaton's probability of an extra change of class, if the automaton was used.
     pub fn epsilon(&self) -> Option<f64> {
         self.epsilon
     }
 
-    /// The smoothing in cells, where the landscape was smoothed.
+    /// Returns the smoothing in cells, if the landscape was smoothed.
     pub fn sigma(&self) -> Option<f64> {
         self.sigma
     }
 
-    /// The settings.
+    /// Returns the spec.
     pub fn spec(&self) -> &LandscapeSpec {
         &self.spec
     }
 
-    /// The seed that it was drawn with.
+    /// Returns the seed with which the landscape was drawn.
     pub fn seed(&self) -> Seed {
         self.seed
     }
 
-    /// The cells as a raster, its lower left corner at the origin.
+    /// Returns the cells as a raster with its lower left corner at the origin.
     pub fn to_raster(&self) -> ClassRaster {
         let mut speeds = Vec::new();
         if !self.spec.speeds.is_empty() {
@@ -170,7 +169,7 @@ impl Serialize for Landscape {
     }
 }
 
-/// Cells as a list of rows.
+/// Serialises cells as a list of rows.
 struct Rows<'a>(&'a [u16], usize);
 
 impl Serialize for Rows<'_> {

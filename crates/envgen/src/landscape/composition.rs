@@ -1,4 +1,4 @@
-//! From an entropy to how many cells each class has.
+//! Compositions: from an entropy to the number of cells of each class.
 
 mod entropy_term;
 mod moves;
@@ -9,13 +9,13 @@ use self::partitions::{EXHAUSTIVE, count_partitions, try_all};
 use super::spec::{LandscapeSpec, MAX_CELLS};
 use crate::error::SpecError;
 
-/// How many cells each class has, greatest count first.
+/// The number of cells of each class, with the greatest count first.
 ///
-/// Kuznetsov (2017), section 2: the counts fall as a geometric sequence of ratio `beta`, which
-/// solves his equation (4). That equation cancels near `beta` = 1, so its defining sum is solved
-/// instead. The counts are then rounded by largest remainders, and cells move between classes, a few
-/// at a time, as long as this brings the entropy nearer to its target. Where the cells have at most 2^19
-/// partitions among the classes, all are tried, so that none is nearer.
+/// By Kuznetsov (2017), section 2, the counts fall as a geometric sequence of ratio `beta`, which solves his
+/// equation (4). Because that equation suffers from cancellation near `beta` = 1, its defining sum is solved
+/// instead. The counts are then rounded by largest remainders, and a few cells at a time are moved between classes
+/// as long as this brings the entropy nearer to its target. If the cells have at most 2^19 partitions among the
+/// classes, all partitions are tried, so that no other one is nearer.
 ///
 /// ```
 /// use envgen::landscape::Composition;
@@ -33,12 +33,12 @@ pub struct Composition {
 }
 
 impl Composition {
-    /// The counts of `cells` cells in `classes` classes whose entropy is nearest to `entropy`
-    /// (nats). With `keep_classes` no class is empty.
+    /// Finds the counts of `cells` cells in `classes` classes whose entropy is nearest to `entropy` (in nats). With
+    /// `keep_classes`, no class is empty.
     ///
     /// # Errors
-    /// When `cells` or `classes` is out of range, when there are more classes than cells, or when
-    /// no counts reach the entropy: the error names the least or the largest that can be reached.
+    /// When `cells` or `classes` is out of range, when there are more classes than cells, or when no counts reach
+    /// the entropy; the error then names the least or the greatest entropy that can be reached.
     pub fn closest(
         cells: u64,
         classes: u64,
@@ -90,24 +90,24 @@ impl Composition {
         Ok(Composition { counts, beta, entropy })
     }
 
-    /// Cells of each class, greatest first.
+    /// Returns the number of cells of each class, with the greatest first.
     pub fn counts(&self) -> &[u32] {
         &self.counts
     }
 
-    /// The ratio of the geometric sequence, from 0 to 1.
+    /// Returns the ratio of the geometric sequence, from 0 to 1.
     pub fn beta(&self) -> f64 {
         self.beta
     }
 
-    /// The entropy of the counts in nats.
+    /// Returns the entropy of the counts in nats.
     pub fn entropy(&self) -> f64 {
         self.entropy
     }
 }
 
-/// The entropy of class counts in nats: Kuznetsov's definition 2, the Shannon diversity index of
-/// ecology. 0 when there are no cells; the same to the last bit in any order of the classes.
+/// Returns the entropy of class counts in nats: Kuznetsov's definition 2, the Shannon diversity index of ecology.
+/// It is 0 without cells, and the same to the last bit for any order of the classes.
 ///
 /// ```
 /// use std::f64::consts::LN_2;
@@ -132,7 +132,7 @@ pub fn entropy_of(counts: &[u32]) -> f64 {
     sum.max(0.0)
 }
 
-/// The largest entropy, in nats, that `cells` cells in `classes` classes reach; 0 without either.
+/// Returns the greatest entropy, in nats, that `cells` cells in `classes` classes can have; 0 if either is 0.
 ///
 /// ```
 /// use envgen::landscape::{entropy_of, largest_entropy};
@@ -163,7 +163,7 @@ fn even_counts(cells: u32, classes: usize) -> Vec<u32> {
     (0..l).map(|i| cells / l + u32::from(i < cells % l)).collect()
 }
 
-/// The entropy of the sequence 1, beta, beta^2 ... of `classes` terms.
+/// Returns the entropy of the sequence 1, beta, beta^2 ... of `classes` terms.
 fn geometric_entropy(classes: usize, beta: f64) -> f64 {
     let ln_beta = libm::log(beta);
     let (mut weight, mut total, mut logs) = (1.0, 0.0, 0.0);
@@ -178,7 +178,7 @@ fn geometric_entropy(classes: usize, beta: f64) -> f64 {
     libm::log(total) - logs / total
 }
 
-/// Bisection: the entropy rises with beta, from 0 to ln l.
+/// Finds the ratio for an entropy by bisection, since the entropy rises with beta from 0 to ln l.
 fn geometric_ratio(classes: usize, entropy: f64) -> f64 {
     if entropy <= 0.0 || classes == 1 {
         return 0.0;
@@ -200,7 +200,7 @@ fn geometric_ratio(classes: usize, entropy: f64) -> f64 {
     }
 }
 
-/// The geometric counts, rounded by largest remainders.
+/// Returns the geometric counts, rounded by largest remainders.
 fn rounded(cells: u32, classes: usize, beta: f64) -> Vec<u32> {
     let weights: Vec<f64> =
         std::iter::successors(Some(1.0), |w| Some(w * beta)).take(classes).collect();
@@ -224,7 +224,7 @@ fn rounded(cells: u32, classes: usize, beta: f64) -> Vec<u32> {
     counts
 }
 
-/// Raises every class to `floor` cells, from the largest classes.
+/// Raises every class to at least `floor` cells, which are taken from the largest classes.
 fn fill_empty(counts: &mut [u32], floor: u32) {
     let mut missing = 0;
     for n in counts.iter_mut().filter(|n| **n < floor) {

@@ -1,16 +1,16 @@
-//! Landscapes built by construction: little Total Edge (bands), much (checkerboard), and stripes in
+//! Landscapes built by construction: with little Total Edge (bands), with much (checkerboard), and stripes in
 //! between.
 
 use super::edge::edge_count;
 use crate::seed::Stream;
 
-/// A grid is searched for its best band height exhaustively while this many cell visits suffice.
+/// All band heights of a grid are tried if this takes at most this many cell visits.
 const EVERY_HEIGHT: usize = 1 << 24;
 
 /// Classes with their counts, in the order in which they are placed.
 pub(super) type Runs = Vec<(u16, u32)>;
 
-/// The classes, greatest count first.
+/// Returns the classes with the greatest count first.
 pub(super) fn descending(counts: &[u32]) -> Runs {
     let mut runs: Runs =
         (1..=u16::MAX).zip(counts.iter().copied()).filter(|run| run.1 > 0).collect();
@@ -18,8 +18,8 @@ pub(super) fn descending(counts: &[u32]) -> Runs {
     runs
 }
 
-/// Places runs of classes along a serpentine over horizontal bands of `height` rows, column by
-/// column within a band; over vertical bands when `upright`.
+/// Places runs of classes along a serpentine over horizontal bands of `height` rows, column by column within a
+/// band; over vertical bands if `upright` is set.
 pub(super) fn bands(
     rows: usize,
     cols: usize,
@@ -51,7 +51,7 @@ pub(super) fn bands(
     cells
 }
 
-/// Bands whose height suits the larger classes, in random order and direction: a quick start of little
+/// Returns bands whose height suits the larger classes, in random order and direction: a fast start with little
 /// Total Edge.
 pub(super) fn random_bands(
     rows: usize,
@@ -72,8 +72,8 @@ pub(super) fn random_bands(
     cells
 }
 
-/// The bands of least Total Edge: of all heights in both directions where the grid is small enough to try
-/// them all, otherwise of heights that divide the grid evenly. O(N) per height.
+/// Returns the bands of least Total Edge. If the grid is small enough, all heights in both directions are tried,
+/// otherwise only heights that divide the grid evenly. It takes O(N) per height.
 pub(super) fn best_bands(rows: usize, cols: usize, counts: &[u32]) -> (Vec<u16>, u64) {
     let runs = descending(counts);
     let mut best: Option<(Vec<u16>, u64)> = None;
@@ -96,15 +96,14 @@ pub(super) fn best_bands(rows: usize, cols: usize, counts: &[u32]) -> (Vec<u16>,
     best.unwrap_or_default()
 }
 
-/// The least Total Edge that bands of these counts have: every value from here up to
-/// [`edge_upper_bound`](super::edge_upper_bound) is searched for, and only few at the very ends do
-/// not exist. Below, down to [`edge_lower_bound`](super::edge_lower_bound), the search still
-/// tries.
+/// Returns the least Total Edge that bands of these counts have. The search covers every value from here up to
+/// [`edge_upper_bound`](super::edge_upper_bound); only few values at the very ends do not exist. For lower values,
+/// down to [`edge_lower_bound`](super::edge_lower_bound), it still tries.
 pub fn least_built(rows: u64, cols: u64, counts: &[u32]) -> u64 {
     best_bands(rows as usize, cols as usize, counts).1
 }
 
-/// Rows that repeat every class `repeats` times, along a serpentine of height 1.
+/// Returns rows in which every class is repeated `repeats` times, along a serpentine of height 1.
 pub(super) fn stripes(rows: usize, cols: usize, classes: &[(u16, u32)], repeats: u32) -> Vec<u16> {
     // Integer parts of n (i + 1) / repeats: every class's pieces differ by one cell at most.
     let share = |n: u32, i: u32| (u64::from(n) * u64::from(i) / u64::from(repeats)) as u32;
@@ -114,9 +113,10 @@ pub(super) fn stripes(rows: usize, cols: usize, classes: &[(u16, u32)], repeats:
     bands(rows, cols, runs, 1, false)
 }
 
-/// Much Total Edge: where one class has half the cells or more, the others are isolated on the
-/// cells of one colour that have most neighbours; otherwise the classes fill one colour and then
-/// the other, greatest first, each colour in random order except for the class in both.
+/// Returns a landscape with much Total Edge. If one class has at least half of the cells, the others are isolated
+/// on the cells of one colour of a checkerboard that have the most neighbours. Otherwise the classes fill one
+/// colour and then the other, the greatest class first, each colour in random order except for the class that is in
+/// both.
 pub(super) fn checkerboard(
     rows: usize,
     cols: usize,

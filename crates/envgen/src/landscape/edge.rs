@@ -1,13 +1,13 @@
-//! Total Edge: counting it, its mean and its bounds.
+//! Total Edge: its count, its mean and its bounds.
 
 use crate::distance::assert_whole_rows;
 
-/// Cells whose equal neighbours, at most two each, a `u16` counts without an overflow.
+/// The number of cells whose equal neighbours, at most two each, can be counted in a `u16` without overflow.
 const LANE: usize = 1 << 12;
 
-/// The number of sides between two cells of different class, each once, the border not counted:
-/// Kuznetsov's Total Edge. Every cell counts as a cell of a class; see
-/// [`Adjacency`](super::metrics::Adjacency) for rasters with no-data cells. O(N), in one vectorised pass.
+/// Counts the sides between two cells of different class, each side once and without the border: Kuznetsov's Total
+/// Edge. Every cell counts as a cell of a class; see [`Adjacency`](super::metrics::Adjacency) for rasters with
+/// no-data cells. It takes O(N), in one vectorised pass.
 ///
 /// ```
 /// use envgen::landscape::edge_count;
@@ -50,7 +50,7 @@ pub fn edge_count(cells: &[u16], cols: usize) -> u64 {
     sum
 }
 
-/// The number of inner cell sides of a grid: the Total Edge if all neighbours differ.
+/// Returns the number of inner cell sides of a grid, which is the Total Edge if all neighbours differ.
 ///
 /// ```
 /// use envgen::landscape::inner_sides;
@@ -62,8 +62,8 @@ pub fn inner_sides(rows: u64, cols: u64) -> u64 {
     rows * cols.saturating_sub(1) + cols * rows.saturating_sub(1)
 }
 
-/// The exact mean of Total Edge over all arrangements of the counts: each inner side joins two
-/// cells of different class with probability 1 - sum n (n - 1) / (N (N - 1)).
+/// Returns the exact mean of the Total Edge over all arrangements of the counts. Each inner side joins two cells of
+/// different class with probability 1 - sum n (n - 1) / (N (N - 1)).
 ///
 /// It replaces the fit in Kuznetsov (2017), section 4; see
 /// [`published::random_ted`](super::published::random_ted).
@@ -86,8 +86,8 @@ pub fn mean_edge_count(rows: u64, cols: u64, counts: &[u32]) -> f64 {
     inner_sides(rows, cols) as f64 * (1.0 - alike / (cells * (cells - 1.0)))
 }
 
-/// The least number of inner sides between `k` cells of a grid and the others: of a block in a
-/// corner, of a strip across the grid, or of the others as a block, whichever is least.
+/// Returns the least number of inner sides between `k` cells of a grid and the others: that of a block in a corner,
+/// of a strip across the grid, or of the other cells as a block, whichever is least.
 pub fn least_cut(rows: u64, cols: u64, k: u64) -> u64 {
     let cells = rows * cols;
     if k == 0 || k >= cells {
@@ -108,8 +108,8 @@ pub fn least_cut(rows: u64, cols: u64, k: u64) -> u64 {
     one(k).min(one(cells - k)).min(strip(cols)).min(strip(rows))
 }
 
-/// A lower bound over all arrangements of the counts: every class has at least its least cut, and each
-/// side counts for two classes.
+/// Returns a lower bound of the Total Edge over all arrangements of the counts: every class has at least its least
+/// cut, and each side counts for two classes.
 ///
 /// ```
 /// use envgen::landscape::{edge_count, edge_lower_bound, edge_upper_bound};
@@ -124,8 +124,8 @@ pub fn edge_lower_bound(rows: u64, cols: u64, counts: &[u32]) -> u64 {
     counts.iter().map(|&n| least_cut(rows, cols, u64::from(n))).sum::<u64>().div_ceil(2)
 }
 
-/// An upper bound over all arrangements of the counts: each side that counts has an end outside
-/// the largest class, and the other cells cover most sides when they are on one colour of the
+/// Returns an upper bound of the Total Edge over all arrangements of the counts. Each side that counts has an end
+/// outside the largest class, and the other cells cover the most sides if they are on one colour of the
 /// checkerboard, where no two are neighbours.
 pub fn edge_upper_bound(rows: u64, cols: u64, counts: &[u32]) -> u64 {
     let largest = counts.iter().copied().max().unwrap_or(0);
@@ -145,8 +145,8 @@ pub fn edge_upper_bound(rows: u64, cols: u64, counts: &[u32]) -> u64 {
     cover(0).max(cover(1)).min(inner_sides(rows, cols))
 }
 
-/// How many cells of a checkerboard colour (0 holds the top left cell) have how many neighbours,
-/// most neighbours first.
+/// Returns, for a colour of the checkerboard (0 contains the top left cell), numbers of neighbours with the number
+/// of cells that have as many, most neighbours first.
 fn degrees(rows: u64, cols: u64, colour: u64) -> Vec<(u64, u64)> {
     // Cells of one colour among `n` in a line that begins with colour `first`.
     let in_line = |n: u64, first: u64| if first == colour { n.div_ceil(2) } else { n / 2 };

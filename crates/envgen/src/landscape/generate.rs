@@ -1,4 +1,4 @@
-//! From a spec and a seed to a landscape.
+//! Generates a landscape from a spec and a seed.
 
 use super::arrange::{Arranged, Grid, arrange};
 use super::blueprint::Landscape;
@@ -21,7 +21,7 @@ pub(super) fn landscape(spec: &LandscapeSpec, seed: Seed) -> Result<Landscape, L
 }
 
 impl LandscapeSpec {
-    /// Checks every setting, and the settings together; returns the composition that they give.
+    /// Checks every setting, and the rules about several settings; returns the composition that they give.
     ///
     /// # Errors
     /// Names the first setting that is not allowed, its value and the allowed values.

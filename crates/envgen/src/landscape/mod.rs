@@ -1,18 +1,17 @@
 //! Landscapes: grids of classes with a given entropy and Total Edge.
 //!
-//! Source: A. V. Kuznetsov, Generation of a random landscape by given configuration entropy and
-//! Total Edge, Computational Technologies 22 (4), 2017,
-//! <http://ict.nsc.ru/jct/annotation/1808?l=eng>. Entropy is the Shannon entropy of the
-//! classes' shares in nats (what ecology calls SHDI), Total Edge the number of sides between cells
-//! of different class. The paper reaches the first and approximates the second; here both are exact.
+//! Source: A. V. Kuznetsov, Generation of a random landscape by given configuration entropy and Total Edge,
+//! Computational Technologies 22 (4), 2017, <http://ict.nsc.ru/jct/annotation/1808?l=eng>. Entropy is the Shannon
+//! entropy of the classes' shares in nats (SHDI in ecology); Total Edge is the number of sides between cells of
+//! different class. The paper reaches the entropy and approximates the Total Edge; here both are exact.
 //!
 //! - [`Composition`]: from an entropy to the number of cells of each class.
-//! - [`random_fill`] and [`automaton_fill`]: the paper's two algorithms; [`published`]: its
-//!   formulas, with their limits.
-//! - [`LandscapeSpec`] and [`Landscape`]: the settings, entropy and Total Edge together in five
-//!   algorithms, and the landscape.
-//! - [`metrics`]: the measures of landscape ecology for any raster of classes.
-//! - `paths`: costs of travel, least-cost paths and cost fields.
+//! - [`random_fill`] and [`automaton_fill`]: the paper's two algorithms. [`published`]: its formulas, with their
+//!   limits.
+//! - [`LandscapeSpec`] and [`Landscape`]: the settings, with entropy and Total Edge together in five algorithms,
+//!   and the landscape.
+//! - [`metrics`]: the metrics of landscape ecology for any raster of classes.
+//! - `paths`: travel costs, least-cost paths and cost fields.
 
 mod arrange;
 mod blueprint;

@@ -3,13 +3,13 @@
 use super::edge::edge_count;
 use crate::seed::Seed;
 
-/// The filter runs forth and back this often: the kernel is nearly Gaussian.
+/// The number of times that the filter runs forth and back; the kernel is then nearly Gaussian.
 const PASSAGES: u32 = 3;
 
-/// Columns that are smoothed together, so that the steps of one column do not wait for each other.
+/// The number of columns that are smoothed together, so that the steps of one column do not wait for each other.
 const SIDE_BY_SIDE: usize = 64;
 
-/// White noise over a grid, the same for every smoothing.
+/// White noise over a grid, which is the same for every smoothing.
 pub(super) struct Noise {
     rows: usize,
     cols: usize,
@@ -26,9 +26,9 @@ impl Noise {
         Noise { rows, cols, values }
     }
 
-    /// The landscape of the noise smoothed by a kernel of standard deviation `sigma` cells: the
-    /// classes follow the smoothed values from least to greatest, `counts[k]` cells of class
-    /// `k + 1`. With `sigma` = 0 it is a random filling. O(N), whatever `sigma`.
+    /// Returns the landscape of the noise smoothed by a kernel of standard deviation `sigma` cells. The classes
+    /// follow the smoothed values from least to greatest, with `counts[k]` cells of class `k + 1`. With `sigma` = 0
+    /// it is a random filling. It takes O(N), whatever `sigma` is.
     pub(super) fn landscape(&self, counts: &[u32], sigma: f64) -> Vec<u16> {
         let mut field = self.values.clone();
         if sigma > 0.0 {
@@ -46,9 +46,8 @@ impl Noise {
         cut(&field, counts)
     }
 
-    /// The smoothing, in cells, whose landscape has the most Total Edge up to `target`, and the
-    /// landscape; the Total Edge of the least and the greatest smoothing when neither is below and
-    /// above the target.
+    /// Returns the smoothing, in cells, whose landscape has the greatest Total Edge up to `target`, and that
+    /// landscape; or the Total Edge of the least and the greatest smoothing if the target is not between them.
     pub(super) fn towards(
         &self,
         counts: &[u32],
@@ -97,8 +96,8 @@ impl Noise {
     }
 }
 
-/// The share that an exponential filter keeps at each step, so that all passages together have
-/// the standard deviation `sigma`: one filter has the variance d / (1 - d)^2.
+/// Returns the share that an exponential filter keeps at each step, such that all passages together have the
+/// standard deviation `sigma`. One filter has the variance d / (1 - d)^2.
 fn decay(sigma: f64) -> f32 {
     let v = sigma * sigma / f64::from(2 * PASSAGES);
     // The difference below has no digit left.
@@ -108,7 +107,7 @@ fn decay(sigma: f64) -> f32 {
     ((1.0 + 2.0 * v - (1.0 + 4.0 * v).sqrt()) / (2.0 * v)) as f32
 }
 
-/// An exponential filter over each column from the first row to the last and back.
+/// Applies an exponential filter to each column, from the first row to the last and back.
 fn forth_and_back(field: &mut [f32], cols: usize, keep: f32) {
     let rows = field.len() / cols;
     let gain = 1.0 - keep;
@@ -128,7 +127,7 @@ fn forth_and_back(field: &mut [f32], cols: usize, keep: f32) {
     }
 }
 
-/// Turns rows into columns, in blocks that stay in the cache.
+/// Turns rows into columns, in blocks that fit the cache.
 fn transpose(from: &[f32], to: &mut [f32], cols: usize) {
     const BLOCK: usize = 32;
     let rows = from.len() / cols;
@@ -143,7 +142,7 @@ fn transpose(from: &[f32], to: &mut [f32], cols: usize) {
     }
 }
 
-/// Gives the cells of least value the first class and so on; equal values are in the order of cells.
+/// Gives the cells of least value the first class, and so on. Equal values are in the order of the cells.
 fn cut(field: &[f32], counts: &[u32]) -> Vec<u16> {
     // The bits of an f32, changed so that they sort as the numbers do.
     let key = |x: f32| {
@@ -163,7 +162,8 @@ fn cut(field: &[f32], counts: &[u32]) -> Vec<u16> {
     cells
 }
 
-/// Sorts by the upper 32 bits, least digit first, 11 bits at a time: stable and O(N).
+/// Sorts by the upper 32 bits, with the least significant digit first, 11 bits at a time. The sort is stable and
+/// takes O(N).
 fn radix_sort(items: &mut Vec<u64>) {
     const BITS: u32 = 11;
     let mut other = vec![0; items.len()];

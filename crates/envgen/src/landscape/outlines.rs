@@ -10,7 +10,7 @@ struct Run {
     from: usize,
     to: usize,
     piece: usize,
-    /// Runs below that touch it.
+    /// Number of runs in the row below that touch it.
     touched: u32,
 }
 
@@ -21,11 +21,11 @@ struct Piece {
     runs: Vec<(usize, usize)>,
 }
 
-/// The cells of each key, 0 left out, as simple polygons that fill them without overlap.
+/// Returns the cells of each key, except 0, as simple polygons that cover them without overlap.
 ///
-/// A run of cells in a row is joined to the one run of the same key below it where neither touches
-/// another, so that a region is divided into pieces of one run per row: these have no holes and their
-/// outlines never touch themselves, whatever the region. O(N).
+/// A run of cells in a row is joined to the only run of the same key below it, if neither touches another one. A
+/// region is thus divided into pieces with one run per row. Whatever the region is, these pieces have no holes and
+/// their outlines never touch themselves. It takes O(N).
 pub(crate) fn outlines(raster: &ClassRaster, key: impl Fn(u16) -> u16) -> Vec<(u16, Shape)> {
     let mut pieces: Vec<Piece> = Vec::new();
     let mut above: Vec<Run> = Vec::new();
@@ -69,7 +69,7 @@ pub(crate) fn outlines(raster: &ClassRaster, key: impl Fn(u16) -> u16) -> Vec<(u
     pieces.into_iter().map(|piece| (piece.key, outline(raster, &piece))).collect()
 }
 
-/// The outline of a piece, counter-clockwise: down its left side, up its right.
+/// Returns the outline of a piece, counter-clockwise: down its left side and up its right side.
 fn outline(raster: &ClassRaster, piece: &Piece) -> Shape {
     let frame = raster.frame();
     let corner = |row: usize, col: usize| frame.corner(col, frame.rows - row);

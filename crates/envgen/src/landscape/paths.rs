@@ -1,10 +1,9 @@
-//! Costs of travel over a raster of classes: cost rasters, least-cost paths, cost fields.
+//! Travel costs over a raster of classes: cost rasters, least-cost paths and cost fields.
 //!
-//! Kuznetsov's classes are the greatest speeds at which cells can be crossed. A step between the
-//! middles of two cells costs its length times the mean of their slowness, 1 / speed. A diagonal
-//! step needs both cells beside it to be passable, as in the MovingAI benchmarks
-//! (N. R. Sturtevant, Benchmarks for grid-based pathfinding, IEEE TCIAIG 4, 2012,
-//! <https://doi.org/10.1109/TCIAIG.2012.2197681>).
+//! Kuznetsov's classes are the greatest speeds at which cells can be crossed. A step between the centres of two
+//! cells costs its length times the mean of their slowness, 1 / speed. A diagonal step requires that both cells
+//! beside it are passable, as in the MovingAI benchmarks (N. R. Sturtevant, Benchmarks for grid-based pathfinding,
+//! IEEE TCIAIG 4, 2012, <https://doi.org/10.1109/TCIAIG.2012.2197681>).
 
 use std::cmp::Ordering;
 use std::f64::consts::SQRT_2;
@@ -16,7 +15,7 @@ use pathfinding::num_traits::Zero;
 use super::metrics::{Neighbourhood, RasterError};
 use crate::world::ClassRaster;
 
-/// What it costs to travel over a raster.
+/// The costs of travelling over a raster.
 ///
 /// ```
 /// use envgen::landscape::metrics::Neighbourhood;
@@ -48,16 +47,15 @@ pub struct TravelMap<'a> {
 /// A least-cost path.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TravelPath {
-    /// The cells from start to goal, by their place in the raster's list.
+    /// The cells from start to goal, by their index in the raster's list.
     pub cells: Vec<usize>,
-    /// Its cost: metres by speed. Where speeds are in m/s these are seconds, where they are
-    /// factors of a robot's greatest speed they are metres of plain ground.
+    /// The cost: metres divided by speed. If speeds are in m/s, the cost is in seconds; if they are factors of a
+    /// robot's greatest speed, it is in metres of plain ground.
     pub cost: f64,
 }
 
 impl<'a> TravelMap<'a> {
-    /// The map of a raster with the speeds that it holds; class 0 and classes of speed 0 cannot be
-    /// passed.
+    /// Creates the map of a raster with its own speeds. Class 0 and classes of speed 0 cannot be passed.
     ///
     /// # Errors
     /// When the raster's sizes do not fit together.
@@ -74,12 +72,12 @@ impl<'a> TravelMap<'a> {
         Ok(TravelMap { raster, slowness, least, moves })
     }
 
-    /// Cost per metre in each cell, infinite where it cannot be passed.
+    /// Returns the cost per metre in each cell, which is infinite if the cell cannot be passed.
     pub fn cost_raster(&self) -> Vec<f64> {
         self.raster.cells.iter().map(|&class| self.slowness[usize::from(class)]).collect()
     }
 
-    /// Whether a cell can be passed; `false` outside the raster.
+    /// Returns whether a cell can be passed; `false` outside the raster.
     pub fn is_passable(&self, cell: usize) -> bool {
         self.raster
             .cells
@@ -87,7 +85,7 @@ impl<'a> TravelMap<'a> {
             .is_some_and(|&class| self.slowness[usize::from(class)] < f64::INFINITY)
     }
 
-    /// The cells that can be reached from a cell in one step, with the cost of the step.
+    /// Returns the cells that can be reached from a cell in one step, with the cost of the step.
     pub fn steps(&self, from: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let cols = self.raster.cols as usize;
         let cells = self.raster.cells.len();
@@ -104,8 +102,8 @@ impl<'a> TravelMap<'a> {
         })
     }
 
-    /// A least-cost path between two cells (A* with the straight distance over the fastest
-    /// ground); `None` when there is no path, or a cell cannot be passed.
+    /// Returns a least-cost path between two cells, found by A* with the straight-line distance over the fastest
+    /// ground; `None` if there are no paths, or if one of the cells cannot be passed.
     ///
     /// ```
     /// use envgen::glam::DVec2;
@@ -145,7 +143,7 @@ impl<'a> TravelMap<'a> {
         Some(TravelPath { cells, cost: cost.0 })
     }
 
-    /// The least cost from a cell to every cell, infinite where there is no path (Dijkstra).
+    /// Returns the least cost from a cell to every cell (Dijkstra), which is infinite for cells that cannot be reached.
     pub fn cost_field(&self, from: usize) -> Vec<f64> {
         let mut field = vec![f64::INFINITY; self.raster.cells.len()];
         if self.is_passable(from) {
@@ -197,7 +195,7 @@ impl Zero for Cost {
     }
 }
 
-/// The neighbours of a cell of a grid of `cells` cells, the four of its sides first.
+/// Returns the neighbours of a cell of a grid of `cells` cells, with the four at its sides first.
 fn neighbours(
     at: usize,
     cols: usize,

@@ -1,13 +1,13 @@
-//! The formulas that the paper prints for Total Edge Density, with their limits.
+//! The formulas that the paper gives for Total Edge Density, with their limits.
 //!
-//! Source: A. V. Kuznetsov, Generation of a random landscape by given configuration entropy and
-//! Total Edge, Computational Technologies 22 (4), 2017, sections 3 and 4. They are fits to
-//! experiments; [`mean_edge_count`](super::mean_edge_count) is exact where the second is a fit.
+//! Source: A. V. Kuznetsov, Generation of a random landscape by given configuration entropy and Total Edge,
+//! Computational Technologies 22 (4), 2017, sections 3 and 4. Both formulas are fits to experiments;
+//! [`mean_edge_count`](super::mean_edge_count) gives the exact value for the second.
 
-/// A column of the paper's table 1.
+/// A column of table 1 of the paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TedFit {
-    /// Entropy as a share of the largest, ln l.
+    /// Entropy as a share of the greatest entropy, ln l.
     pub relative_entropy: f64,
     /// Constant a0.
     pub a0: f64,
@@ -19,7 +19,7 @@ pub struct TedFit {
     pub k: f64,
 }
 
-/// Table 1: its columns are the relative entropies 0.2 to 1.
+/// Table 1. Its columns are for the relative entropies 0.2 to 1.
 pub const TABLE_1: [TedFit; 5] = [
     TedFit { relative_entropy: 0.2, a0: 0.631_706, b0: 0.902_495, c0: 0.541_963, k: 0.089_677_9 },
     TedFit { relative_entropy: 0.4, a0: 1.046_16, b0: 1.7169, c0: 0.489_177, k: 0.105_287 },
@@ -28,15 +28,15 @@ pub const TABLE_1: [TedFit; 5] = [
     TedFit { relative_entropy: 1.0, a0: 5.298_11, b0: 10.9732, c0: 0.154_264, k: 0.005_763_06 },
 ];
 
-/// The Total Edge Density that the paper's model gives for the automaton:
-/// a0 ln(c0 eps^k / (1 - c0 eps)) + b0.
+/// Returns the Total Edge Density that the paper's model gives for the automaton: a0 ln(c0 eps^k / (1 - c0 eps)) +
+/// b0.
 ///
-/// Valid for about 150 to 225 classes and `epsilon` of at least 0.02 only: with 15 classes it is
-/// off by up to 0.34. The scan of the paper lost the position of the denominator; this reading agrees
-/// with simulation and with the paper's figure 2. The `epsilon` of a wanted density is better found by
-/// simulation, with [`automaton_fill`](super::automaton_fill); a spec with `total_edge` does so.
+/// The model is valid only for about 150 to 225 classes and an `epsilon` of at least 0.02; with 15 classes it is
+/// off by up to 0.34. The scan of the paper lost the position of the denominator; the reading used here agrees with
+/// simulation and with figure 2 of the paper. To find the `epsilon` for a given density, simulation with
+/// [`automaton_fill`](super::automaton_fill) is better; a spec with `total_edge` does this.
 ///
-/// `None` where the model has no value: `epsilon` outside (0, 1].
+/// Returns `None` if `epsilon` is outside (0, 1], where the model has no value.
 pub fn published_ted(fit: &TedFit, epsilon: f64) -> Option<f64> {
     let inside = epsilon > 0.0 && epsilon <= 1.0;
     inside.then(|| {
@@ -45,13 +45,13 @@ pub fn published_ted(fit: &TedFit, epsilon: f64) -> Option<f64> {
     })
 }
 
-/// The Total Edge Density that the paper fits to random filling:
-/// a1 s(b1 S / ln l) - a1 / 2, with s the logistic function.
+/// Returns the Total Edge Density that the paper fits to random filling: a1 s(b1 S / ln l) - a1 / 2, where s is the
+/// logistic function.
 ///
-/// The paper prints "+ a1 / 2", which would give a1 / 2 where there is no entropy and hence no
-/// edge; and its a1 has a power of l - 10.9641, which is not a number for fewer classes and far too
-/// large just above: 12 classes get twice the exact density, from 20 on the fit is good to 0.12.
-/// `None` for up to 10 classes, and where `entropy` is outside [0, ln l].
+/// The paper prints "+ a1 / 2", which would give a1 / 2 if there is no entropy and hence no edge. Its a1 contains a
+/// power of l - 10.9641, which is not a number for fewer classes and far too large just above: 12 classes get twice
+/// the exact density; for 20 classes or more the fit is good to 0.12. Returns `None` for up to 10 classes, and if
+/// `entropy` is outside [0, ln l].
 ///
 /// ```
 /// use envgen::landscape::{Composition, mean_edge_count, published::random_ted};

@@ -2,20 +2,19 @@
 
 use crate::seed::Seed;
 
-/// Up to this many cells are shuffled as a whole: they fit a processor's second-level cache.
+/// Fillings of up to this many cells, which fit a processor's second-level cache, are shuffled as a whole.
 const WHOLE: usize = 1 << 17;
 
 /// Larger fillings are divided into parts of about this many cells.
 const PART: usize = 1 << 16;
 
-/// A uniformly random arrangement of `counts[k]` cells of each class `k + 1`: the same as the loop of
-/// Kuznetsov (2017), section 2. O(N), 2 bytes per cell.
+/// Returns a uniformly random arrangement of `counts[k]` cells of each class `k + 1`: the same distribution as that
+/// of the loop of Kuznetsov (2017), section 2. It takes O(N), and 2 bytes per cell.
 ///
-/// A plain shuffle of a large map waits for memory at every step. Here the cells are first dealt
-/// to parts, each cell to a uniformly random one, and then shuffled within the parts, which gives
-/// every arrangement with the same probability (C. R. Rao, Generation of random permutations,
-/// Sankhya A 23, 1961). The dealing is drawn twice from the same stream, once to learn the parts'
-/// sizes and once to place the cells, so that no copy is needed.
+/// A plain shuffle of a large map waits for memory at every step. Here the cells are first dealt to parts, each
+/// cell to a uniformly random part, and then shuffled within the parts. This gives every arrangement with the same
+/// probability (C. R. Rao, Generation of random permutations, Sankhya A 23, 1961). The dealing is drawn twice from
+/// the same stream, once to find the sizes of the parts and once to place the cells, so that no copy is needed.
 ///
 /// ```
 /// use envgen::{Seed, landscape::random_fill};
@@ -70,7 +69,7 @@ pub fn random_fill(counts: &[u32], seed: Seed) -> Vec<u16> {
     cells
 }
 
-/// Calls `place(i, part)` for each cell with a part of `bits` random bits.
+/// Calls `place(i, part)` for each cell, with a part number of `bits` random bits.
 #[inline]
 fn deal(seed: Seed, bits: u32, total: usize, mut place: impl FnMut(usize, usize)) {
     let mut stream = seed.stream("landscape/deal", 0);

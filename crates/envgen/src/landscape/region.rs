@@ -1,20 +1,20 @@
-//! The largest region of a raster that can be passed, and its ends.
+//! The largest passable region of a raster, and its ends.
 
 use glam::DVec2;
 
 use crate::grid;
 use crate::world::ClassRaster;
 
-/// The cells of the largest region that can be passed, cells joined by their sides; of equal
-/// regions the first. Their order is that of [`grid::largest_region`].
+/// Returns the cells of the largest passable region, in which cells are joined by their sides; of equal regions,
+/// the first. Their order is that of [`grid::largest_region`].
 pub(crate) fn largest_region(raster: &ClassRaster) -> Vec<u32> {
     let open =
         raster.cells.iter().map(|&class| class != 0 && raster.speed_of(class) > 0.0).collect();
     grid::largest_region(raster.frame(), open)
 }
 
-/// The middles of the two cells of the largest region that are nearest to the lower left and to
-/// the upper right corner.
+/// Returns the centres of the two cells of the largest region that are nearest to the lower left and to the upper
+/// right corner.
 pub(super) fn ends(raster: &ClassRaster) -> Option<(DVec2, DVec2)> {
     let (frame, cols) = (raster.frame(), raster.cols as usize);
     let region = largest_region(raster);

@@ -1,18 +1,18 @@
-//! Exact Total Edge by swaps of two cells, which leave every class's count as it is.
+//! A search for an exact Total Edge by swaps of two cells, which do not change the classes' counts.
 
 use super::edge::edge_count;
 use crate::seed::Stream;
 
-/// Rounds of the fine search, after which the nearest landscape found is the result.
+/// The number of rounds of the fine search, after which the nearest landscape found is the result.
 const ROUNDS: u32 = 60;
 
-/// By how many sides the fine search may get worse than its best in each round, cyclically.
+/// The number of sides by which the fine search may get worse than its best in each round, cyclically.
 const SLACK: [i64; 8] = [0, 0, 0, 1, 2, 4, 8, 0];
 
-/// Landscapes of little or much Total Edge are rare: mixing stays within this distance of the target.
+/// The greatest distance from the target during mixing. Landscapes of little or much Total Edge are rare.
 const MIXING_WINDOW: i64 = 24;
 
-/// A grid with a frame of zeros, which are no class, so that every cell has four neighbours.
+/// A grid with a frame of zeros, which are not a class, so that every cell has four neighbours.
 pub(super) struct Board {
     rows: usize,
     cols: usize,
@@ -35,7 +35,7 @@ impl Board {
         self.edges as u64
     }
 
-    /// The cells without the frame.
+    /// Returns the cells without the frame.
     pub(super) fn cells(&self) -> Vec<u16> {
         let mut cells = Vec::with_capacity(self.rows * self.cols);
         for inner in self.cells.chunks_exact(self.cols + 2).skip(1).take(self.rows) {
@@ -44,7 +44,7 @@ impl Board {
         cells
     }
 
-    /// A uniformly random cell. Its bias is under 2^-18, which does not matter for a search.
+    /// Returns a uniformly random cell. Its bias is under 2^-18, which does not matter for a search.
     #[inline]
     fn draw(&self, bits: u64) -> usize {
         let r = ((bits >> 32) * self.rows as u64) >> 32;
@@ -52,7 +52,7 @@ impl Board {
         (r as usize + 1) * (self.cols + 2) + c as usize + 1
     }
 
-    /// How many neighbours of a cell are of a class.
+    /// Returns the number of neighbours of a cell that are of a class.
     #[inline]
     fn alike(&self, at: usize, class: u16) -> i64 {
         let stride = self.cols + 2;
@@ -62,7 +62,7 @@ impl Board {
             + i64::from(self.cells[at + stride] == class)
     }
 
-    /// By how much a swap of two cells of different class changes Total Edge.
+    /// Returns the change of the Total Edge by a swap of two cells of different class.
     #[inline]
     fn change(&self, u: usize, v: usize) -> i64 {
         let (a, b) = (self.cells[u], self.cells[v]);
@@ -76,7 +76,7 @@ impl Board {
         before - after
     }
 
-    /// Swaps two cells if they differ and the result is at most `allowed` from the target.
+    /// Swaps two cells if they differ and the result is at most `allowed` away from the target.
     #[inline]
     fn try_swap(&mut self, u: usize, v: usize, target: i64, allowed: i64) -> bool {
         if self.cells[u] == self.cells[v] {
@@ -95,8 +95,8 @@ impl Board {
         (self.edges - target).abs()
     }
 
-    /// Swaps random cells, never away from the target, until it is met or `patience` swaps in a
-    /// row were of no use. Returns how many were accepted.
+    /// Swaps random cells, never away from the target, until the target is reached or `patience` swaps in a row
+    /// were useless. Returns the number of accepted swaps.
     fn approach(&mut self, target: i64, patience: u64, stream: &mut Stream) -> u64 {
         let (mut accepted, mut idle) = (0, 0);
         while self.edges != target && idle < patience {
@@ -113,12 +113,12 @@ impl Board {
         accepted
     }
 
-    /// Brings Total Edge to `target`, or as near as the search finds; returns the number of swaps.
+    /// Brings the Total Edge to `target`, or as near as the search gets; returns the number of swaps.
     ///
-    /// Random pairs do nearly all of the search. Near the ends of the range only few pairs help:
-    /// there the cells are listed by how many of their neighbours are alike, and pairs are drawn
-    /// from random lists, which finds the rare kinks and corners; in some rounds the search may
-    /// get worse than its best by a few sides.
+    /// Random pairs do nearly all of the search. Near the ends of the range, only few pairs help. There, the cells
+    /// are listed by how many of their neighbours are of the same class, and pairs are drawn from random lists,
+    /// which finds the rare kinks and corners. In some rounds the search may get worse than its best by a few
+    /// sides.
     pub(super) fn seek(&mut self, target: u64, stream: &mut Stream) -> u64 {
         let target = target as i64;
         let cells = (self.rows * self.cols) as u64;
@@ -171,7 +171,7 @@ impl Board {
         accepted
     }
 
-    /// The cells, in lists by their number of neighbours, of neighbours of their own class, and of
+    /// Returns the cells in lists by their number of neighbours, of neighbours of their own class, and of
     /// neighbours of the most common other class.
     fn pools(&self) -> Vec<Vec<u32>> {
         let mut pools = vec![Vec::new(); 125];
@@ -194,8 +194,8 @@ impl Board {
         pools
     }
 
-    /// Swaps random cells `attempts` times at about constant Total Edge, so that the landscape does not
-    /// depend on how it was built; Total Edge ends near `target`.
+    /// Swaps random cells `attempts` times at about constant Total Edge, so that the landscape does not depend on
+    /// how it was built. The Total Edge is near `target` at the end.
     pub(super) fn mix(&mut self, target: u64, attempts: u64, stream: &mut Stream) {
         let target = target as i64;
         for _ in 0..attempts {

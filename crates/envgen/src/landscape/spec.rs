@@ -7,22 +7,23 @@ use crate::error::SpecError;
 use crate::settings;
 use crate::world::{MAX_COORDINATE, ROCK};
 
-/// The most cells a landscape can have: 8192 x 8192, which take 128 MiB.
+/// The greatest number of cells of a landscape: 8192 x 8192, which take 128 MiB.
 pub const MAX_CELLS: u64 = 1 << 26;
 
-/// The most cells a smoothed landscape can have: 4096 x 4096. Smoothing takes 28 bytes per cell.
+/// The greatest number of cells of a smoothed landscape: 4096 x 4096. Smoothing takes 28 bytes per cell.
 pub const MAX_SMOOTH_CELLS: u64 = 1 << 24;
 
-/// The most swaps that mixing tries: about a minute.
+/// The greatest number of swaps that mixing tries, which take about a minute.
 const MAX_SWAPS: f64 = 1e9;
 
-/// The swaps that mixing tries by default, for landscapes of 40,000 to 5,000,000 cells.
+/// The default number of swaps that mixing tries, for landscapes of 40,000 to 5,000,000 cells.
 const DEFAULT_SWAPS: f64 = 4e7;
 
-/// The fewest and most of them per cell, for larger and for smaller landscapes.
+/// The least and the greatest default number of swaps per cell, for larger and for smaller landscapes.
 const DEFAULT_MIXING: [f64; 2] = [8.0, 1000.0];
 
-/// Written where it is set, so that the files of other landscapes stay as they were before it existed.
+/// Whether the height is the default, which files omit, so that the files of other landscapes are the same as
+/// before the setting existed.
 fn is_rock_height(value: &f64) -> bool {
     *value == ROCK.top()
 }
@@ -83,36 +84,36 @@ settings! {
     }
 }
 
-/// Which class gets which number of cells.
+/// Which class gets which of the counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum ClassOrder {
-    /// Drawn at random.
+    /// The order is drawn at random.
     Shuffled,
     /// Class 1 has the most cells, class 2 the second most, and so on.
     Descending,
 }
 
-/// How a landscape's cells are arranged.
+/// The algorithm that arranges a landscape's cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Algorithm {
-    /// The paper's algorithm 1, uniformly random; with a Total Edge the same as `Mixed`.
+    /// The paper's algorithm 1, uniformly random. With a requested Total Edge it is the same as `Mixed`.
     Random,
     /// The paper's algorithm 2, the probabilistic automaton, repaired to the Total Edge.
     Automaton,
-    /// Salt and pepper: from bands or a checkerboard by random swaps.
+    /// Salt-and-pepper landscapes: random swaps, starting from bands or a checkerboard.
     Mixed,
-    /// Bands, repeated as often as the Total Edge needs.
+    /// Bands, repeated as often as the Total Edge requires.
     Bands,
-    /// Natural patches: smoothed noise, divided by the counts.
+    /// Natural patches: smoothed noise, divided into classes by the counts.
     Smooth,
 }
 
 impl Algorithm {
-    /// The name, as in the settings.
+    /// Returns the name of the algorithm, as in the settings.
     pub fn name(self) -> &'static str {
         match self {
             Algorithm::Random => "random",
@@ -124,7 +125,7 @@ impl Algorithm {
     }
 }
 
-/// The most standard deviations of the smoothing per cell of the longer side.
+/// The greatest standard deviation of the smoothing, per cell of the longer side.
 const MOST_SMOOTHING: f64 = 4.0;
 
 pub(super) const RULES: &[&str] = &[
@@ -141,18 +142,18 @@ pub(super) const RULES: &[&str] = &[
 ];
 
 impl LandscapeSpec {
-    /// Number of cells.
+    /// Returns the number of cells.
     pub(super) fn cells(&self) -> f64 {
         self.rows as f64 * self.cols as f64
     }
 
-    /// Swaps tried per cell.
+    /// Returns the number of swaps that are tried per cell.
     pub(super) fn swaps_per_cell(&self) -> f64 {
         let [least, most] = DEFAULT_MIXING;
         self.mixing.unwrap_or_else(|| (DEFAULT_SWAPS / self.cells()).clamp(least, most))
     }
 
-    /// Checks the fields and sizes that need no composition.
+    /// Checks the fields and sizes that do not depend on the composition.
     pub(super) fn check(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         let cells = self.rows * self.cols;

@@ -1,4 +1,4 @@
-//! From a landscape to a world.
+//! Builds the world of a landscape.
 
 use super::blueprint::Landscape;
 use super::outlines::outlines;
@@ -10,8 +10,8 @@ use crate::world::{
     Claim, ClassRaster, Extent, Obstacle, ObstacleKind, ROCK, Surface, SurfaceKind, World,
 };
 
-/// At most this many surfaces are listed. A landscape with more pieces lists none: its raster holds
-/// the speed of every position all the same.
+/// The greatest number of surfaces of a world. A landscape with more pieces lists no surfaces; its raster contains
+/// the speed of every position in any case.
 pub(super) const MAX_SURFACES: usize = 1 << 16;
 
 pub(super) fn world(landscape: &Landscape) -> World {
@@ -25,9 +25,9 @@ pub(super) fn world(landscape: &Landscape) -> World {
     world
 }
 
-/// The world of a raster: the raster itself; cells that cannot be passed, or without data, as obstacles; slower and
-/// faster classes as surfaces, unless there are more than 65 536 pieces of them; start and goal at
-/// the ends of the largest connected region.
+/// Builds the world of a raster. It contains the raster itself; cells that cannot be passed, or are without data,
+/// as obstacles; slower and faster classes as surfaces, unless there are more than 65 536 pieces of them; and start
+/// and goal at the ends of the largest connected region.
 pub(crate) fn raster_world(raster: ClassRaster, provenance: Provenance) -> World {
     let mut world = World::new(provenance, raster.frame().bounds());
     if raster.cells.iter().any(|&class| raster.speed_of(class) != 1.0) {

@@ -6,10 +6,10 @@ use crate::landscape::error::LandscapeError;
 use crate::landscape::spec::Algorithm;
 use crate::seed::Stream;
 
-/// The probability of an extra change where nothing determines another value.
+/// The default probability of an extra change, if nothing determines another value.
 const EPSILON: f64 = 0.1;
 
-/// The automaton's landscape, with a Total Edge or without.
+/// Arranges a landscape by the automaton, with or without a requested Total Edge.
 pub(super) fn arrange(
     grid: &Grid<'_>,
     target: Option<u64>,
@@ -45,7 +45,7 @@ fn towards(grid: &Grid<'_>, target: u64, epsilon: Option<f64>) -> Result<Arrange
     Ok(Arranged { epsilon: Some(epsilon), ..grid.repaired(&start.cells, target) })
 }
 
-/// The number in [0, 1] up to which `below` holds, halved `steps` times.
+/// Finds by bisection the number in [0, 1] up to which `below` holds, in `steps` halvings.
 fn bisect(mut below: impl FnMut(f64) -> bool, steps: u32) -> f64 {
     if !below(0.0) {
         return 0.0;
@@ -65,16 +65,16 @@ fn bisect(mut below: impl FnMut(f64) -> bool, steps: u32) -> f64 {
     low
 }
 
-/// Fills a grid cell by cell in serpentine order: each cell keeps the class of the one before it,
-/// but with probability `epsilon`, or when that class has no cells left, takes a class drawn
-/// uniformly from the other classes that have cells left (Kuznetsov 2017, section 3). O(1) per cell,
-/// whatever the number of classes. Class `k + 1` gets `counts[k]` cells, which must fill the grid.
+/// Fills a grid cell by cell in serpentine order. Each cell keeps the class of the previous cell. With probability
+/// `epsilon`, or if that class has no cells left, it takes a class drawn uniformly from the other classes that have
+/// cells left (Kuznetsov 2017, section 3). Class `k + 1` gets `counts[k]` cells; the counts must fill the grid. It
+/// takes O(1) per cell, whatever the number of classes is.
 ///
-/// The paper's rule reads as "out of turn with probability epsilon"; its formula leaves open
-/// whether the class drawn may be the one before. R0 is the reading in which it may not.
+/// The paper describes its rule as "out of turn with probability epsilon"; its formula leaves open whether the
+/// drawn class may be that of the previous cell. R0 is the reading in which it may not.
 ///
 /// # Panics
-/// When the counts do not fill the grid, or `epsilon` is not a probability.
+/// When the counts do not fill the grid, or when `epsilon` is not a probability.
 #[track_caller]
 pub fn automaton_fill(
     rows: usize,
@@ -114,7 +114,7 @@ pub fn automaton_fill(
     cells
 }
 
-/// The classes that have cells left, in a list from which one is taken in O(1).
+/// The classes that have cells left, as a list from which a class can be removed in O(1).
 struct Reserve {
     left: Vec<u32>,
     list: Vec<u32>,
@@ -136,7 +136,7 @@ impl Reserve {
         self.left[class] > 0
     }
 
-    /// A class that has cells left and is not `but`, uniformly; `None` when there is no such class.
+    /// Draws uniformly a class that has cells left and is not `but`; `None` if there are no such classes.
     #[inline]
     fn draw(&self, but: Option<usize>, stream: &mut Stream) -> Option<usize> {
         let skipped = but.filter(|&class| self.left(class)).map(|class| self.place[class] as usize);

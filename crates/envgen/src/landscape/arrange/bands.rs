@@ -1,11 +1,11 @@
-//! Bands, repeated as often as the Total Edge needs.
+//! Bands, repeated as often as the Total Edge requires.
 
 use super::grid::{Arranged, Grid};
 use super::mixed;
 use crate::landscape::construct::{best_bands, descending, stripes};
 use crate::landscape::edge::{edge_count, mean_edge_count};
 
-/// The bands of least Total Edge, or bands of a Total Edge.
+/// Arranges the bands of least Total Edge, or bands with the requested Total Edge.
 pub(super) fn arrange(grid: &Grid<'_>, target: Option<u64>) -> Arranged {
     match target {
         None => Arranged::plain(best_bands(grid.rows, grid.cols, grid.counts).0),
@@ -13,8 +13,9 @@ pub(super) fn arrange(grid: &Grid<'_>, target: Option<u64>) -> Arranged {
     }
 }
 
-/// Bands up to the Total Edge of rows that alternate as often as possible without exceeding the
-/// target; beyond that, and above the mean of random landscapes, as `mixed`.
+/// Arranges bands for targets up to the Total Edge of the rows that alternate as often as possible without
+/// exceeding the target; for greater targets, and those above the mean of random landscapes, arranges cells as
+/// `mixed`.
 fn towards(grid: &Grid<'_>, target: u64) -> Arranged {
     let (rows, cols) = (grid.rows, grid.cols);
     let mean = mean_edge_count(rows as u64, cols as u64, grid.counts);

@@ -1,4 +1,4 @@
-//! Salt and pepper: random swaps from bands or a checkerboard.
+//! Salt-and-pepper landscapes: random swaps, starting from bands or a checkerboard.
 
 use super::grid::{Arranged, Grid};
 use crate::landscape::construct::{best_bands, checkerboard, random_bands};
@@ -6,8 +6,8 @@ use crate::landscape::edge::{edge_count, mean_edge_count};
 use crate::landscape::random_fill::random_fill;
 use crate::landscape::search::Board;
 
-/// A landscape without structure: uniformly random, or of a Total Edge with `mixing` swaps tried per
-/// cell.
+/// Arranges a landscape without structure: uniformly random, or with a requested Total Edge, at which `mixing`
+/// swaps per cell are tried.
 pub(super) fn arrange(grid: &Grid<'_>, target: Option<u64>, mixing: f64) -> Arranged {
     match target {
         None => Arranged::plain(random_fill(grid.counts, grid.seed)),
@@ -32,8 +32,8 @@ pub(super) fn towards(grid: &Grid<'_>, target: u64, mixing: f64) -> Arranged {
     Arranged { swaps, ..Arranged::plain(board.cells()) }
 }
 
-/// Where to start: bands below the mean of random landscapes, a checkerboard above it. From a
-/// start beyond the target, random swaps approach it quickly; un-mixing is slow.
+/// Returns the landscape to start from: bands below the mean of random landscapes, a checkerboard above it. From a
+/// start beyond the target, random swaps approach the target quickly, whereas un-mixing is slow.
 fn start(grid: &Grid<'_>, target: u64) -> Vec<u16> {
     let (rows, cols, counts) = (grid.rows, grid.cols, grid.counts);
     if target as f64 > mean_edge_count(rows as u64, cols as u64, counts) {

@@ -1,4 +1,4 @@
-//! How the cells are arranged: one file for each algorithm.
+//! The algorithms that arrange the cells, one file each.
 
 mod automaton;
 mod bands;

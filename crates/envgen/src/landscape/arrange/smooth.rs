@@ -1,14 +1,14 @@
-//! Smoothed noise, divided by the counts, and repaired to a Total Edge.
+//! Smoothed noise, divided into classes by the counts, and repaired to a Total Edge.
 
 use super::grid::{Arranged, Grid};
 use crate::landscape::error::LandscapeError;
 use crate::landscape::noise::Noise;
 use crate::landscape::spec::Algorithm;
 
-/// The smoothing in cells where nothing determines another value.
+/// The default smoothing in cells, if nothing determines another value.
 const SIGMA: f64 = 3.0;
 
-/// A smoothed landscape, with a Total Edge or without.
+/// Arranges a smoothed landscape, with or without a requested Total Edge.
 pub(super) fn arrange(
     grid: &Grid<'_>,
     target: Option<u64>,

@@ -2,13 +2,13 @@
 
 use super::entropy_term::n_ln_n;
 
-/// What the `n`-th cell of a class adds to the sum of n ln n; rises with `n`.
+/// Returns the increase of the sum of n ln n by the `n`-th cell of a class, which rises with `n`.
 fn marginal(n: u32) -> f64 {
     n_ln_n(n) - n_ln_n(n - 1)
 }
 
-/// Moves single cells between classes, the best move first, while the entropy comes nearer; then
-/// pairs of a few cells each, whose changes can nearly cancel; and so on until neither helps.
+/// Moves single cells between classes, the best move first, while the entropy comes nearer to its target; then
+/// makes pairs of moves of a few cells each, whose changes can nearly cancel; and repeats this until neither helps.
 pub(super) fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
     let cells: u64 = counts.iter().map(|&n| u64::from(n)).sum();
     let cells = cells as f64;
@@ -38,16 +38,16 @@ pub(super) fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32)
     }
 }
 
-/// Pairs of moves are tried while there are at most this many moves; with more kinds of counts, single
-/// moves come near enough.
+/// Pairs of moves are tried if there are at most this many moves. With more kinds of counts, single moves come near
+/// enough.
 const PAIRED: usize = 1 << 13;
 
-/// The most cells of a move of a pair. As the counts are nearly geometric, single cells change the
-/// sum by multiples of one number; more cells at once do not.
+/// The greatest number of cells in a move of a pair. As the counts are nearly geometric, single cells change the
+/// sum by multiples of one number; several cells at once do not.
 const LARGEST_MOVE: usize = 8;
 
-/// The counts as a sorted list of (count, number of classes): classes of equal count are alike,
-/// and few counts differ.
+/// The counts as a sorted list of (count, number of classes). Classes of equal count are alike, and only few counts
+/// differ.
 #[derive(Clone)]
 struct Moves {
     groups: Vec<(u32, usize)>,
@@ -55,7 +55,7 @@ struct Moves {
 }
 
 impl Moves {
-    /// From counts in descending order.
+    /// Creates the list from counts in descending order.
     fn new(counts: &[u32], floor: u32) -> Self {
         let mut groups: Vec<(u32, usize)> =
             counts.chunk_by(|a, b| a == b).map(|run| (run[0], run.len())).collect();
@@ -63,13 +63,13 @@ impl Moves {
         Moves { groups, floor }
     }
 
-    /// The sum of n ln n.
+    /// Returns the sum of n ln n.
     fn sum(&self) -> f64 {
         self.groups.iter().map(|&(n, many)| n_ln_n(n) * many as f64).sum()
     }
 
-    /// The counts after `cells` cells went from a class of `from` cells to one that then has `to`;
-    /// `None` where there are no such classes, or the first must not lose that many.
+    /// Returns the counts after `cells` cells were moved from a class of `from` cells to one that then has `to`;
+    /// `None` if there are no such classes, or if the first class must not lose that many.
     fn moved(&self, from: u32, to: u32, cells: u32) -> Option<Moves> {
         if from < self.floor + cells {
             return None;
@@ -80,8 +80,8 @@ impl Moves {
         Some(moved)
     }
 
-    /// The move that leaves the least of `miss`, the excess of the sum: a cell from a to b lowers the
-    /// sum by marginal(a) - marginal(b + 1).
+    /// Returns the move that leaves the least of `miss`, the excess of the sum. Moving a cell from a to b lowers
+    /// the sum by marginal(a) - marginal(b + 1).
     fn best_single(&self, miss: f64) -> Option<Moves> {
         let mut best: Option<(f64, u32, u32)> = None;
         for &(from, many) in self.groups.iter().filter(|group| group.0 > self.floor) {
@@ -100,7 +100,7 @@ impl Moves {
         best.and_then(|(_, from, to)| self.moved(from, to, 1))
     }
 
-    /// The two moves that together leave the least of `miss`.
+    /// Returns the two moves that together leave the least of `miss`.
     fn best_pair(&self, miss: f64) -> Option<Moves> {
         let kinds = self.groups.len();
         let largest = (PAIRED / (kinds * kinds)).min(LARGEST_MOVE) as u32;
@@ -140,7 +140,7 @@ impl Moves {
     }
 }
 
-/// Changes the count of one class in the sorted list; `None` where there is no such class.
+/// Changes the count of one class in the sorted list; `None` if there are no such classes.
 fn regroup(groups: &mut Vec<(u32, usize)>, from: u32, to: u32) -> Option<()> {
     let at = groups.binary_search_by_key(&from, |group| group.0).ok()?;
     groups[at].1 -= 1;

@@ -1,16 +1,16 @@
-//! Every partition of a few cells among the classes.
+//! All partitions of a small number of cells among the classes.
 
 use super::entropy_term::n_ln_n;
 
-/// At most this many partitions of the cells are tried one by one.
+/// The greatest number of partitions that are tried one by one.
 pub(super) const EXHAUSTIVE: u64 = 1 << 19;
 
-/// Above this many cells there are always more partitions than [`EXHAUSTIVE`], except for two classes,
-/// where moving single cells finds the closest counts anyway.
+/// Above this number of cells there are always more partitions than [`EXHAUSTIVE`], except for two classes, for
+/// which moving single cells finds the nearest counts anyway.
 const EXHAUSTIVE_CELLS: u64 = 4096;
 
-/// The number of partitions of `cells` cells into `classes` classes of at least `floor` cells, whatever
-/// the order of the classes; `u64::MAX` when there are many.
+/// Returns the number of partitions of `cells` cells into `classes` classes of at least `floor` cells, ignoring the
+/// order of the classes; `u64::MAX` if there are very many.
 pub(super) fn count_partitions(cells: u32, classes: usize, floor: u32) -> u64 {
     let free = u64::from(cells) - classes as u64 * u64::from(floor);
     if free > EXHAUSTIVE_CELLS {
@@ -30,7 +30,7 @@ pub(super) fn count_partitions(cells: u32, classes: usize, floor: u32) -> u64 {
     partitions[free]
 }
 
-/// Tries every partition of the cells; equally near ones leave the counts as they are.
+/// Tries every partition of the cells. Partitions that are only equally near leave the counts as they are.
 pub(super) fn try_all(counts: &mut Vec<u32>, entropy: f64, floor: u32) {
     let cells: u32 = counts.iter().sum();
     let n = f64::from(cells);
@@ -59,7 +59,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Gives class `i` and those after it `free` cells above the floor, `most` at most each.
+    /// Gives class `i` and those after it `free` cells above the floor, each at most `most`.
     fn part(&mut self, i: usize, free: u32, most: u32, sum: f64) {
         let after = (self.current.len() - i - 1) as u32;
         let most = most.min(self.floor + free);

@@ -1,10 +1,10 @@
-//! How often cells of two classes are neighbours.
+//! Adjacency: how often cells of two classes are neighbours.
 
 use super::sides::count;
 use crate::distance::assert_whole_rows;
 
-/// The sides between cells of a raster, by the two classes that they separate, each side once. Cells
-/// of class 0 are no data; sides to them and the raster's end count as border.
+/// The sides between cells of a raster, counted by the two classes that they separate, each side once. Cells of
+/// class 0 are no data; sides beside them and at the raster's end count as border.
 ///
 /// ```
 /// use envgen::landscape::metrics::Adjacency;
@@ -22,9 +22,9 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
-    /// Counts the sides of cells given row by row. O(N): with classes up to 15 one look-up in a
-    /// table for two cells of a large raster, with up to 512 classes two per cell, and with more a sort.
-    /// Large rasters of classes up to 255 are counted on all cores.
+    /// Counts the sides of cells given row by row. It takes O(N): with classes up to 15, one look-up in a table for
+    /// two cells of a large raster; with up to 512 classes, two per cell; with more, a sort. Large rasters of
+    /// classes up to 255 are counted on all cores.
     ///
     /// # Panics
     /// When the number of cells is not a multiple of `cols`.
@@ -48,24 +48,24 @@ impl Adjacency {
         Adjacency { classes, sides }
     }
 
-    /// The classes that occur, with their numbers of cells, by class.
+    /// Returns the classes that occur, with their numbers of cells, sorted by class.
     pub fn classes(&self) -> &[(u16, u64)] {
         &self.classes
     }
 
-    /// The pairs of classes that lie beside each other, the smaller class first, with the number
-    /// of sides between them, in order. A pair of equal classes is a side inside the class.
+    /// Returns the pairs of adjacent classes, the smaller class first, with the number of sides between them,
+    /// sorted. A pair of equal classes is a side inside the class.
     pub fn sides(&self) -> &[(u16, u16, u64)] {
         &self.sides
     }
 
-    /// The number of sides between cells of different class.
+    /// Returns the number of sides between cells of different class.
     pub fn edge_count(&self) -> u64 {
         self.sides.iter().filter(|(a, b, _)| a != b).map(|side| side.2).sum()
     }
 
-    /// For each class that occurs: sides to other classes, sides inside the class, and sides at
-    /// the border.
+    /// Returns, for each class that occurs, the number of sides to other classes, inside the class, and at the
+    /// border.
     pub fn class_sides(&self) -> Vec<ClassSides> {
         let mut list: Vec<ClassSides> = self
             .classes
@@ -90,8 +90,8 @@ impl Adjacency {
         list
     }
 
-    /// The entropies of a cell's class x and its neighbour's class y in bits, every side read in both
-    /// directions: H(x), H(x, y), H(y | x) and the mutual information. `None` without any side.
+    /// Returns the entropies of a cell's class x and its neighbour's class y in bits, with every side read in both
+    /// directions: H(x), H(x, y), H(y | x) and the mutual information. `None` if there are no sides.
     pub fn entropies(&self) -> Option<Entropies> {
         let total: u64 = self.sides.iter().map(|side| 2 * side.2).sum();
         if total == 0 {
@@ -122,24 +122,24 @@ impl Adjacency {
 pub struct ClassSides {
     /// The class.
     pub class: u16,
-    /// Its cells.
+    /// Number of its cells.
     pub cells: u64,
-    /// Sides between it and other classes.
+    /// Number of sides between it and other classes.
     pub other: u64,
-    /// Sides between two of its cells.
+    /// Number of sides between two of its cells.
     pub own: u64,
-    /// Sides at the raster's end or beside no data.
+    /// Number of sides at the raster's end or beside no data.
     pub border: u64,
 }
 
-/// Entropies of adjacency in bits.
+/// The entropies of adjacency in bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entropies {
-    /// H(x), of a cell's class.
+    /// H(x), the entropy of a cell's class.
     pub marginal: f64,
-    /// H(x, y), of a cell's and its neighbour's class.
+    /// H(x, y), the joint entropy of a cell's and its neighbour's class.
     pub joint: f64,
-    /// H(y | x), of the neighbour's class where the cell's is known.
+    /// H(y | x), the entropy of the neighbour's class if the cell's class is known.
     pub conditional: f64,
     /// The mutual information of the two classes.
     pub mutual: f64,

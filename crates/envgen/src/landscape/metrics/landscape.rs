@@ -1,4 +1,4 @@
-//! Measures of a generated landscape.
+//! Metrics of a generated landscape.
 
 use serde::Serialize;
 
@@ -7,25 +7,26 @@ use crate::landscape::blueprint::Landscape;
 use crate::landscape::construct::least_built;
 use crate::landscape::edge::{edge_lower_bound, edge_upper_bound, mean_edge_count};
 
-/// Numbers that describe a landscape: its deviation from the request, the bounds of what is possible,
-/// and the measures of its raster.
+/// The metrics of a landscape: its deviation from the request, the bounds of what is possible, and the metrics of
+/// its raster.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LandscapeMetrics {
-    /// Entropy minus the requested one, in nats.
+    /// Entropy minus the requested entropy, in nats.
     pub entropy_error: f64,
-    /// Total Edge minus the requested one, if any: not 0 only where no landscape was found.
+    /// Total Edge minus the requested Total Edge, if one is requested. It differs from 0 only if no exact landscape
+    /// was found.
     pub total_edge_error: Option<i64>,
-    /// Exact mean of Total Edge over all arrangements of the counts.
+    /// The exact mean of the Total Edge over all arrangements of the counts.
     pub total_edge_mean: f64,
-    /// Lower bound of Total Edge over all arrangements.
+    /// A lower bound of the Total Edge over all arrangements.
     pub total_edge_lower_bound: u64,
     /// The least Total Edge of bands.
     pub total_edge_least_built: u64,
-    /// Upper bound of Total Edge over all arrangements.
+    /// An upper bound of the Total Edge over all arrangements.
     pub total_edge_upper_bound: u64,
-    /// Swaps that were needed to reach the Total Edge.
+    /// Number of swaps that were needed to reach the Total Edge.
     pub swaps: u64,
-    /// The measures of the raster.
+    /// The metrics of the raster.
     #[serde(flatten)]
     pub report: Box<RasterReport>,
 }

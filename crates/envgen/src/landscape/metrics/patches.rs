@@ -1,11 +1,11 @@
-//! Connected cells of one class.
+//! Patches: connected cells of one class.
 
 use serde::{Deserialize, Serialize};
 
 use crate::distance::assert_whole_rows;
 use crate::union_find::UnionFind;
 
-/// Which cells are neighbours.
+/// Which cells count as neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Neighbourhood {
@@ -16,7 +16,7 @@ pub enum Neighbourhood {
     Eight,
 }
 
-/// Connected cells of one class.
+/// A patch: connected cells of one class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Patch {
     /// The class.
@@ -25,9 +25,9 @@ pub struct Patch {
     pub cells: u64,
 }
 
-/// The patches of a raster given row by row, in the order of their first cells; class 0 is no
-/// data and forms none. O(N) with a union-find that sees two rows at a time; memory grows with the
-/// number of pieces found, not with the raster.
+/// Returns the patches of a raster given row by row, in the order of their first cells. Class 0 is no data and
+/// forms no patches. It takes O(N), with a union-find that sees two rows at a time; memory grows with the number of
+/// pieces found, not with the raster.
 ///
 /// ```
 /// use envgen::landscape::metrics::{Neighbourhood, Patch, patches};
@@ -88,7 +88,7 @@ pub fn patches(cells: &[u16], cols: usize, neighbourhood: Neighbourhood) -> Vec<
     pieces.patches()
 }
 
-/// Pieces of patches that were seen so far.
+/// The pieces of patches that were found so far.
 #[derive(Default)]
 struct Pieces {
     sets: UnionFind,
@@ -96,7 +96,7 @@ struct Pieces {
 }
 
 impl Pieces {
-    /// A new piece of one cell.
+    /// Adds a new piece of one cell.
     fn add(&mut self, class: u16) -> u32 {
         self.pieces.push(Patch { class, cells: 1 });
         self.sets.push() as u32
@@ -109,7 +109,7 @@ impl Pieces {
         piece as u32
     }
 
-    /// The newer of two pieces joins the older, so that patches keep the order of their first cells.
+    /// Joins the newer of two pieces to the older one, so that patches keep the order of their first cells.
     fn join(&mut self, a: u32, b: u32) -> u32 {
         let (a, b) = (self.sets.find(a as usize), self.sets.find(b as usize));
         let (old, young) = (a.min(b), a.max(b));

@@ -1,4 +1,4 @@
-//! Every measure of a raster.
+//! All metrics of a raster.
 
 use std::fmt;
 
@@ -9,21 +9,21 @@ use super::adjacency::{Adjacency, ClassSides};
 use super::patches::{Neighbourhood, Patch, patches};
 use crate::world::ClassRaster;
 
-/// Why a raster cannot be measured.
+/// The reasons why a raster cannot be measured.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RasterError {
-    /// The number of cells is not rows times columns.
+    /// The number of cells is not the number of rows times the number of columns.
     #[error("the raster has {cells} cells, but {rows} rows of {cols}")]
     Size {
-        /// Rows it claims.
+        /// Number of rows that the raster states.
         rows: u32,
-        /// Columns it claims.
+        /// Number of columns that the raster states.
         cols: u32,
-        /// Cells it holds.
+        /// Number of cells that the raster contains.
         cells: usize,
     },
-    /// The cells' side is not a positive number.
+    /// The side of the cells is not a positive number.
     #[error("the side of a cell is {0} m, it must be positive")]
     Cell(f64),
 }
@@ -40,102 +40,102 @@ pub(crate) fn check(raster: &ClassRaster) -> Result<(), RasterError> {
     Ok(())
 }
 
-/// Whether the raster's end, and the sides beside no data, count as edges.
+/// Whether sides at the raster's end, and sides beside no data, count as edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Border {
-    /// They do not.
+    /// They do not count.
     #[default]
     Free,
-    /// They do, in all edge counts, lengths and densities.
+    /// They count in all edge counts, lengths and densities.
     Counted,
 }
 
-/// The measures of a raster. Undefined measures are `None`: evenness and contagion of
-/// one class, interspersion of less than three, anything of a raster without cells.
+/// The metrics of a raster. Undefined metrics are `None`: evenness and contagion of one class, interspersion of
+/// fewer than three classes, and everything of a raster without cells.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RasterReport {
-    /// Total Edge: number of sides between cells of different class.
+    /// Total Edge: the number of sides between cells of different class.
     pub edge_count: u64,
-    /// Total Edge Density of the paper: sides per cell.
+    /// The paper's Total Edge Density: number of sides per cell.
     pub ted: Option<f64>,
     /// Length of all edges in metres (FRAGSTATS' TE).
     pub total_edge_m: f64,
     /// Length of all edges divided by the area, in m/ha (ED).
     pub edge_density_m_per_ha: Option<f64>,
-    /// Shannon's diversity index in nats (SHDI): the paper's entropy.
+    /// Shannon's diversity index in nats (SHDI), the paper's entropy.
     pub shdi: Option<f64>,
-    /// Shannon's evenness index (SHEI): SHDI divided by the largest SHDI of as many classes.
+    /// Shannon's evenness index (SHEI): SHDI divided by the greatest SHDI for the same number of classes.
     pub shei: Option<f64>,
-    /// Simpson's diversity index (SIDI): probability that two cells are of different class.
+    /// Simpson's diversity index (SIDI): the probability that two cells are of different class.
     pub sidi: Option<f64>,
-    /// Contagion index in percent (CONTAG), sides read in both directions.
+    /// Contagion index in percent (CONTAG), with sides read in both directions.
     pub contag_percent: Option<f64>,
     /// Interspersion and juxtaposition index in percent (IJI).
     pub iji_percent: Option<f64>,
-    /// Landscape shape index (LSI): length of all edges and the border, divided by the least border that a
-    /// raster with as many cells has.
+    /// Landscape shape index (LSI): length of all edges and the border, divided by the least border of a raster
+    /// with the same number of cells.
     pub lsi: Option<f64>,
-    /// H(x, y) of a cell's and its neighbour's class, in bits.
+    /// H(x, y), the joint entropy of a cell's and its neighbour's class, in bits.
     pub joint_entropy_bits: Option<f64>,
-    /// H(y | x) in bits.
+    /// H(y | x), the conditional entropy of the neighbour's class, in bits.
     pub conditional_entropy_bits: Option<f64>,
     /// Mutual information of a cell's and its neighbour's class, in bits.
     pub mutual_information_bits: Option<f64>,
-    /// Patches whose cells share sides or corners.
+    /// Metrics of patches whose cells share sides or corners.
     pub patches_8: PatchReport,
-    /// Patches whose cells share sides.
+    /// Metrics of patches whose cells share sides.
     pub patches_4: PatchReport,
-    /// Each class that occurs, by class.
+    /// The metrics of each class that occurs, sorted by class.
     pub by_class: Vec<ClassReport>,
 }
 
-/// The measures of patches, of a class or of all classes.
+/// The metrics of the patches of one class or of all classes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PatchReport {
     /// Number of patches (NP).
     pub count: u64,
-    /// Patches per 100 ha of the landscape (PD).
+    /// Number of patches per 100 ha of the landscape (PD).
     pub density_per_100ha: Option<f64>,
-    /// Share of the largest patch in the landscape, in percent (LPI).
+    /// Share of the landscape that the largest patch covers, in percent (LPI).
     pub largest_percent: Option<f64>,
     /// Mean area of a patch in square metres (`AREA_MN`).
     pub mean_area_m2: Option<f64>,
-    /// Effective mesh size in square metres (MESH): sum of squared areas divided by the landscape's area.
+    /// Effective mesh size in square metres (MESH): the sum of squared patch areas divided by the landscape's area.
     pub mesh_m2: Option<f64>,
 }
 
-/// The measures of a class.
+/// The metrics of a class.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClassReport {
-    /// The class, by its number in the raster or in the file that it was read from.
+    /// The class, by its number in the raster or in the file from which it was read.
     pub class: i64,
     /// Area in square metres.
     pub area_m2: f64,
-    /// Share in the landscape in percent.
+    /// Share of the landscape in percent.
     pub share_percent: f64,
-    /// Length of the edges to other classes in metres; over all classes twice the landscape's.
+    /// Length of the edges to other classes in metres. Over all classes these add up to twice the landscape's length.
     pub total_edge_m: f64,
-    /// Patches whose cells share sides or corners.
+    /// Metrics of patches whose cells share sides or corners.
     pub patches_8: PatchReport,
-    /// Patches whose cells share sides.
+    /// Metrics of patches whose cells share sides.
     pub patches_4: PatchReport,
-    /// Shape index of the class: length of its edges and border, divided by the least that as many cells
-    /// have.
+    /// Shape index of the class: the length of its edges and border, divided by the least length for the same
+    /// number of cells.
     pub lsi: f64,
 }
 
 impl RasterReport {
-    /// Measures a raster. O(N).
+    /// Measures a raster, in time O(N).
     ///
     /// # Errors
-    /// When the raster's sizes do not fit together, or the side of its cells is not positive.
+    /// When the raster's sizes do not fit together, or when the side of its cells is not positive.
     pub fn new(raster: &ClassRaster, border: Border) -> Result<Self, RasterError> {
         check(raster)?;
         Ok(RasterReport::of_grid(&raster.cells, raster.cols as usize, raster.cell, border))
     }
 
-    /// Names each class by its label, `labels[k]` for class `k + 1`: the number that it had in the
-    /// file that it was read from.
+    /// Replaces the number of each class by its label, `labels[k]` for class `k + 1`, which is its number in the
+    /// file from which it was read.
     #[must_use]
     pub fn labelled(mut self, labels: &[i64]) -> Self {
         for class in &mut self.by_class {
@@ -204,7 +204,7 @@ impl RasterReport {
     }
 }
 
-/// CONTAG: 1 + sum p ln p / (2 ln m), with p the share of a class times the share of a neighbour
+/// Returns CONTAG: 1 + sum p ln p / (2 ln m), where p is the share of a class times the share of a neighbouring
 /// class in its sides.
 fn contagion(adjacency: &Adjacency, sides: &[ClassSides]) -> Option<f64> {
     if sides.len() < 2 {
@@ -227,7 +227,7 @@ fn contagion(adjacency: &Adjacency, sides: &[ClassSides]) -> Option<f64> {
     Some((1.0 + sum / (2.0 * libm::log(sides.len() as f64))) * 100.0)
 }
 
-/// IJI: the entropy of the edges' shares over pairs of classes, divided by the greatest possible.
+/// Returns IJI: the entropy of the edges' shares over pairs of classes, divided by the greatest possible entropy.
 fn interspersion(adjacency: &Adjacency, classes: usize, edges: u64) -> Option<f64> {
     if classes < 3 || edges == 0 {
         return None;
@@ -245,7 +245,7 @@ fn interspersion(adjacency: &Adjacency, classes: usize, edges: u64) -> Option<f6
     Some(sum / libm::log(0.5 * m * (m - 1.0)) * 100.0)
 }
 
-/// The least border, in cell sides, of this many cells (FRAGSTATS' min E).
+/// Returns the least border of this many cells, in cell sides (FRAGSTATS' min E).
 fn least_border(cells: u64) -> f64 {
     let root = cells.isqrt();
     let more = cells - root * root;
@@ -257,14 +257,14 @@ fn least_border(cells: u64) -> f64 {
     sides as f64
 }
 
-/// Converts cells to areas.
+/// Factors that convert cells to areas.
 #[derive(Clone, Copy)]
 struct Scale {
     total: u64,
     cell: f64,
 }
 
-/// Patches, summed up.
+/// Sums over patches.
 #[derive(Clone, Copy, Default)]
 struct Tally {
     count: u64,
@@ -311,7 +311,7 @@ fn by_class(sides: &[ClassSides], patches: &[Patch]) -> Vec<Tally> {
 }
 
 impl fmt::Display for RasterReport {
-    /// A table for reading; undefined measures are shown as a dash.
+    /// Writes a table for human readers, in which undefined metrics are a dash.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lines: [(&str, Option<f64>, &str); 13] = [
             ("Total Edge", Some(self.edge_count as f64), "sides"),

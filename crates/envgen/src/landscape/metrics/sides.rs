@@ -1,7 +1,7 @@
-//! Counting the sides between cells by the two classes that they separate.
+//! Counts of the sides between cells, by the two classes that they separate.
 //!
-//! The time of a count is mostly one memory access per look-up: the fewer the classes, the more sides
-//! one look-up counts.
+//! The time of a count is mostly one memory access per look-up. The fewer classes there are, the more sides one
+//! look-up counts.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,35 +10,36 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
-/// How many sides separate two classes, the smaller class first, in order; 0 is no data and the raster's
-/// end.
+/// The number of sides that separate two classes, for pairs with the smaller class first, sorted. 0 is no data and
+/// the raster's end.
 pub(super) type Pairs = Vec<(u16, u16, u64)>;
 
-/// A window of four cells has a code of 16 bits up to this many classes, no data among them.
+/// Up to this many classes, including no data, a window of four cells has a code of 16 bits.
 const IN_WINDOWS: u16 = 16;
 
-/// A pair of cells has a code of 16 bits up to this many classes, no data among them.
+/// Up to this many classes, including no data, a pair of cells has a code of 16 bits.
 const IN_PAIRS: u16 = 256;
 
-/// Windows have many codes to add up in the end: rasters with fewer cells are counted by pairs.
+/// The least number of cells that are counted by windows, whose many codes have to be added up in the end. Smaller
+/// rasters are counted by pairs.
 const LEAST_FOR_WINDOWS: usize = 1 << 16;
 
 /// The least number of cells that a thread counts at a time.
 #[cfg(feature = "parallel")]
 const BAND: usize = 1 << 18;
 
-/// One of this many rows is read for a first guess of the greatest class.
+/// One row in this many is read for a first guess of the greatest class.
 const SAMPLED: usize = 61;
 
-/// Up to this many distinct classes are counted in a full table.
+/// The greatest number of distinct classes that are counted in a full table.
 const IN_TABLE: usize = 512;
 
-/// Pairs that are sorted at a time where there are more classes.
+/// The number of pairs that are sorted at a time if there are more classes.
 const SORTED: usize = 1 << 20;
 
-/// Counts every side once, those at the raster's end too. O(N): with classes up to 15 one look-up
-/// for two cells of a large raster, with up to 512 classes two per cell, and with more a sort. With
-/// `parallel`, on all cores.
+/// Counts every side once, including those at the raster's end. It takes O(N): with classes up to 15, one look-up
+/// for two cells of a large raster; with up to 512 classes, two per cell; with more, a sort. With the feature
+/// `parallel`, it runs on all cores.
 pub(super) fn count(cells: &[u16], cols: usize) -> Pairs {
     if cells.len() < cols || cols == 0 {
         return Pairs::new();
@@ -73,7 +74,7 @@ fn greatest(cells: &[u16]) -> u16 {
     cells.iter().copied().max().unwrap_or(0)
 }
 
-/// The greatest class of a raster.
+/// Returns the greatest class of a raster.
 fn maximum(cells: &[u16]) -> u16 {
     #[cfg(feature = "parallel")]
     let most = cells.par_chunks(BAND).map(greatest).max().unwrap_or(0);
@@ -82,7 +83,7 @@ fn maximum(cells: &[u16]) -> u16 {
     most
 }
 
-/// A raster of at least one row, read row by row; the rows beyond it are no data.
+/// A raster of at least one row, read row by row. The rows beyond it are no data.
 struct Raster<'a> {
     cells: &'a [u16],
     cols: usize,
@@ -98,15 +99,15 @@ impl<'a> Raster<'a> {
         self.cells.len() / self.cols
     }
 
-    /// Row `r` - 1 and row `r`, up to the first row beyond the raster.
+    /// Returns row `r` - 1 and row `r`, up to the first row beyond the raster.
     fn row_below_another(&self, r: usize) -> [&[u16]; 2] {
         let row = |r: usize| &self.cells[r * self.cols..][..self.cols];
         let above = r.checked_sub(1).map_or(&*self.outside, row);
         [above, if r < self.rows() { row(r) } else { &self.outside }]
     }
 
-    /// How often each of `codes` codes occurs, where `count` counts those of some of the rows, from
-    /// the first to the one beyond the last.
+    /// Returns how often each of `codes` codes occurs. `count` counts those of a range of rows, from the first to
+    /// the one beyond the last.
     fn tally(&self, codes: usize, count: impl Fn(&mut Tally, Range<usize>) + Sync) -> Vec<u64> {
         let all = 0..self.rows() + 1;
         #[cfg(feature = "parallel")]
@@ -139,8 +140,8 @@ impl<'a> Raster<'a> {
     }
 }
 
-/// How often each code of 16 bits occurs. Two tables are used in turn, so that a count need not wait for
-/// the one before it where codes repeat.
+/// How often each code of 16 bits occurs. Two tables are used in turn, so that a count need not wait for the
+/// previous one if codes repeat.
 struct Tally {
     tables: [Box<[u32; 1 << 16]>; 2],
     counted: usize,
@@ -148,14 +149,14 @@ struct Tally {
 }
 
 impl Tally {
-    /// Of codes below `codes`.
+    /// Creates a tally of codes below `codes`.
     fn new(codes: usize) -> Self {
         // Zeroed memory from the system, so that only the parts in use are touched.
         let table = || vec![0; 1 << 16].try_into().expect("as long as it was made");
         Tally { tables: [table(), table()], counted: 0, sums: vec![0; codes] }
     }
 
-    /// Counts every `STEP`-th code, from the first on.
+    /// Counts every `STEP`-th code, beginning with the first.
     fn count<const STEP: usize>(&mut self, codes: &[u16]) {
         // Well before a count of 32 bits overflows.
         for codes in codes.chunks(1 << 30) {
@@ -184,18 +185,18 @@ impl Tally {
         self.counted = 0;
     }
 
-    /// How often each code was counted.
+    /// Returns how often each code was counted.
     fn added_up(mut self) -> Vec<u64> {
         self.add_up();
         self.sums
     }
 }
 
-/// With `k` up to 16 classes, by windows of two by two cells, each with four sides; `None` where there
-/// are more.
+/// Counts by windows of two by two cells, each with four sides, with `k` up to 16 classes; `None` if there are
+/// more.
 ///
-/// A side lies in two windows, whose left upper cells are neighbours: of the windows whose row and
-/// column add up to an even number, which are half, it lies in one.
+/// A side lies in two windows, whose upper left cells are neighbours. Of the windows whose row and column add up to
+/// an even number, which are half of them, it lies in exactly one.
 fn by_windows(cells: &[u16], cols: usize, k: u16) -> Option<Pairs> {
     // A row's cells with their right neighbours, from the cell before the first on.
     let pair_up = |row: &[u16], pairs: &mut [u16]| {
@@ -245,8 +246,8 @@ fn by_windows(cells: &[u16], cols: usize, k: u16) -> Option<Pairs> {
     Some(of_table(&table, k))
 }
 
-/// With `k` up to 256 classes, by pairs, the smaller class first: half a table is less to keep in
-/// the cache.
+/// Counts by pairs, the smaller class first, with `k` up to 256 classes. Half a table takes less space in the
+/// cache.
 fn by_pairs(cells: &[u16], cols: usize, k: u16) -> Pairs {
     let pair = |a: u16, b: u16| a.min(b).wrapping_mul(k).wrapping_add(a.max(b));
     let raster = Raster::new(cells, cols);
@@ -269,7 +270,7 @@ fn by_pairs(cells: &[u16], cols: usize, k: u16) -> Pairs {
     of_table(&sums, usize::from(k))
 }
 
-/// The place of each class among those that occur and 0, and these by place.
+/// Returns the place of each class among those that occur and 0, and the classes by place.
 fn numbered(cells: &[u16]) -> (Vec<u16>, Vec<u16>) {
     let mut occurs = vec![false; 1 << 16];
     occurs[0] = true;
@@ -288,7 +289,7 @@ fn by_table(cells: &[u16], cols: usize, index: &[u16], width: usize) -> Pairs {
     of_table(&table, width)
 }
 
-/// The pairs that occur in a square table.
+/// Returns the pairs that occur in a square table.
 fn of_table(table: &[u64], width: usize) -> Pairs {
     let sides = |a: usize, b: usize| match a == b {
         true => table[a * width + a],
