@@ -1,16 +1,15 @@
-//! Laws that are cut off at two limits.
+//! Distributions that are truncated at two limits.
 
 use rand::Rng;
 use rand::distr::Distribution;
 
 use crate::error::SpecError;
 
-/// The law of a distribution under the condition that the value lies between two limits: values
-/// outside are drawn again.
+/// A distribution under the condition that the value lies between two limits. Values outside are drawn again.
 ///
-/// Generators refuse values out of their range; this keeps a law without bounds, such as the normal
-/// or the log-normal one, within it. After [`Truncated::MAX_DRAWS`] values outside, the last of them is
-/// the result, which the generator then names in its error.
+/// Generators refuse values that are out of their range; this type keeps an unbounded distribution, such as the
+/// normal or the log-normal one, within it. After [`Truncated::MAX_DRAWS`] values outside the limits, the last of
+/// them is the result, and the generator names it in its error.
 ///
 /// ```
 /// use envgen::{Seed, distribution::Truncated};
@@ -29,11 +28,11 @@ pub struct Truncated<D> {
 }
 
 impl<D> Truncated<D> {
-    /// The most values that are drawn for one: a law with a thousandth of its probability between the
-    /// limits misses them all in 5 of 100,000 cases.
+    /// The greatest number of values that are drawn for one result. A distribution with a thousandth of its
+    /// probability between the limits misses them with all draws in 5 of 100,000 cases.
     pub const MAX_DRAWS: u32 = 10_000;
 
-    /// The law between `min` and `max`, limits included; infinite limits are none.
+    /// Creates the distribution between `min` and `max`, limits included. An infinite limit means no limit.
     ///
     /// # Errors
     /// When a limit is NaN, or `min` is greater than `max`.
