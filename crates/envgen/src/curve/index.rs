@@ -1,4 +1,4 @@
-//! The nearest point of a path.
+//! Nearest-point queries on paths.
 
 use glam::DVec2;
 
@@ -7,38 +7,38 @@ use super::tree::BoxTree;
 use super::{Curve, Path};
 use crate::geometry::{Pose, Rect, distance_to_segment, unit_vector};
 
-/// Pieces are cut where their heading has changed by this much, in radians, so that their boxes are
-/// tight and for most of them the chord is enough.
+/// Pieces are split where their heading has changed by this angle, in radians, so that their boxes are tight and
+/// for most of them the chord is enough.
 const LEAF_TURN: f64 = 0.2;
 
-/// Straight pieces are cut too, so that the box of an oblique one is not mostly empty: into
-/// lengths of the average piece divided by this.
+/// Straight pieces are split, too, into lengths of the average piece divided by this, so that the box of an oblique
+/// one is not mostly empty.
 const CUTS: f64 = 2.0;
 
-/// Coefficients of a leaf: its turn to this power, divided by the factorial, is under 1e-16.
+/// The number of coefficients of a leaf: its turn to this power, divided by the factorial, is under 1e-16.
 const DEGREE: usize = 14;
 
-/// No piece is cut more often than this, so that one that turns by over 20,000 rad is located
-/// roughly; a world's pieces turn by 1,000 at most.
+/// The greatest number of leaves of a piece. A piece that turns by over 20,000 rad is therefore located only
+/// roughly; the pieces of a world turn by 1,000 rad at most.
 const MOST_LEAVES: f64 = 100_000.0;
 
-/// Leaves that are kept to be examined together.
+/// The number of leaves that are kept and then examined together.
 const KEPT: usize = 16;
 
-/// Points at which a clothoid is probed for minima of the distance, when there may be several.
+/// The number of points at which a clothoid is probed for minima of the distance, if there may be several.
 const PROBES: usize = 8;
 
-/// Where a point lies relative to a path.
+/// The position of a point relative to a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Located {
-    /// Distance along the path of the nearest point, in metres.
+    /// Distance along the path of the nearest point on it, in metres.
     pub s: f64,
-    /// How far to the left of the path the point lies, in metres; negative to the right. Its
+    /// Distance in metres by which the point lies to the left of the path, negative if it lies to the right. Its
     /// absolute value is the distance to the path.
     pub offset: f64,
-    /// Pose of the path there.
+    /// Pose of the path at the nearest point.
     pub pose: Pose,
-    /// The path's curvature there, in 1/m.
+    /// Curvature of the path at the nearest point, in 1/m.
     pub curvature: f64,
 }
 
@@ -49,22 +49,22 @@ pub struct PathIndex {
     tree: BoxTree,
 }
 
-/// A stretch of one piece, as a curve of its own.
+/// A section of one piece, as a curve of its own.
 #[derive(Clone, Debug, PartialEq)]
 struct Leaf {
     curve: Curve,
-    /// Where it starts along the path.
+    /// Distance along the path at which the leaf starts.
     s: f64,
-    /// Unit vector of the heading at its start.
+    /// Unit vector of the heading at the start of the leaf.
     axis: DVec2,
     end: DVec2,
     end_axis: DVec2,
-    /// Its greatest distance from its chord, in metres.
+    /// Greatest distance of the leaf from its chord, in metres.
     sagitta: f64,
 }
 
 impl PathIndex {
-    /// Indexes a path; time and memory are proportional to its pieces and their turning.
+    /// Indexes a path. Time and memory are proportional to the number of its pieces and to their turning.
     pub fn new(path: &Path<'_>) -> Self {
         let count = path.curves().len();
         let longest = path.length() / (CUTS * count as f64);
@@ -103,8 +103,8 @@ impl PathIndex {
         PathIndex { leaves, tree: BoxTree::new(&boxes) }
     }
 
-    /// The point of the path nearest to `p`; of several equally near ones the first. `None` when
-    /// the path is empty or `p` is not finite. Time: about the logarithm of the number of pieces.
+    /// Returns the point of the path that is nearest to `p`; of several equally near points, the first. `None` if
+    /// the path is empty or `p` is not finite. It takes time about logarithmic in the number of pieces.
     pub fn locate(&self, p: DVec2) -> Option<Located> {
         if !p.is_finite() {
             return None;
@@ -153,8 +153,8 @@ impl PathIndex {
     }
 }
 
-/// Orders the leaves below a node of a tree so that its two halves lie apart: along the longer side
-/// of what they span.
+/// Orders the leaves below a node of a tree so that its two halves lie apart, along the longer side of the
+/// rectangle that the leaves span.
 fn arrange(order: &mut [usize], room: usize, middles: &[DVec2]) {
     let Some(span) = Rect::around(order.iter().map(|&i| middles[i])) else { return };
     if order.len() < 2 {
@@ -239,7 +239,7 @@ impl Leaf {
         }
     }
 
-    /// Where the perpendicular from `p` meets the line or circle that the leaf is part of.
+    /// Returns the position at which the perpendicular from `p` meets the line or circle that contains the leaf.
     fn foot_on_arc(&self, p: DVec2) -> f64 {
         let to = p - self.curve.start.position;
         let (x, y) = (self.axis.dot(to), self.axis.perp_dot(to));
@@ -247,8 +247,8 @@ impl Leaf {
         if k == 0.0 { x } else { libm::atan2(k * x, 1.0 - k * y) / k }
     }
 
-    /// Where half the derivative of the squared distance to `p` is 0, between two distances where it
-    /// changes sign: Newton's method, kept inside the bracket.
+    /// Returns the position at which half the derivative of the squared distance to `p` is 0, between two positions
+    /// where it changes sign, by Newton's method kept inside the bracket.
     fn foot_between(
         &self,
         polynomial: &Polynomial<DEGREE>,

@@ -1,26 +1,27 @@
-//! Polylines beside a path.
+//! Polylines along a path.
 
 use glam::DVec2;
 
 use super::{Curve, Path};
 use crate::geometry::{unit_vector, wrap_angle};
 
-/// Two lines that differ by less than this angle in radians are one.
+/// The greatest angle, in radians, between two lines that count as one.
 const STRAIGHT: f64 = 1e-12;
 
-/// Where the heading changes at once by more than this angle in radians, the path turns; less is rounding.
+/// The greatest sudden change of heading, in radians, that counts as rounding; with a greater one the path has a
+/// corner.
 const CORNER: f64 = 1e-6;
 
-/// One more than the cosine of the sharpest turn at which the lines beside a path are drawn out until they meet.
+/// One more than the cosine of the sharpest turn at which the lines beside a path are extended until they meet.
 const SHARPEST: f64 = 0.2;
 
-/// No piece is cut into more chords than this.
+/// The greatest number of chords into which a piece is split.
 const MOST_CHORDS: f64 = 100_000.0;
 
 impl Path<'_> {
-    /// The distances along the path, in metres, between which chords of lines up to `offset` metres beside
-    /// it stray by at most `tolerance` metres: start, cuts and end. Consecutive pieces on one straight line
-    /// are one chord.
+    /// Returns the distances along the path, in metres, at which it is split into chords such that lines up to
+    /// `offset` metres beside it deviate from their chords by at most `tolerance` metres; start and end are
+    /// included. Consecutive pieces on one straight line are one chord.
     ///
     /// # Panics
     /// When `tolerance` is not positive.
@@ -29,7 +30,7 @@ impl Path<'_> {
         self.stations_between(0.0, self.length(), offset, tolerance)
     }
 
-    /// As [`Path::stations`], from `from` to `to` metres.
+    /// Like [`Path::stations`], but for the section from `from` to `to` metres.
     ///
     /// # Panics
     /// As [`Path::stations`].
@@ -61,8 +62,8 @@ impl Path<'_> {
         stations
     }
 
-    /// The points at `offset` metres to the left of the path at given distances along it, which
-    /// must not decrease; where the path turns at a point, that where the lines beside it meet.
+    /// Returns the points at `offset` metres to the left of the path at given distances along it, which must not
+    /// decrease. At a corner of the path, it returns the point where the lines beside the path meet.
     ///
     /// ```
     /// use envgen::curve::{Curve, Path};
@@ -86,7 +87,7 @@ impl Path<'_> {
             .collect()
     }
 
-    /// What [`corner`] gives for the point at `s` metres.
+    /// Returns the result of [`corner`] for the point at `s` metres.
     fn corner_at(&self, s: f64) -> Option<DVec2> {
         let (piece, into) = self.piece_at(s)?;
         let before = self.curves().get(piece.checked_sub(1).filter(|_| into == 0.0)?)?;
@@ -94,16 +95,16 @@ impl Path<'_> {
     }
 }
 
-/// Where the lines beside a path meet, per metre of their offset to the left, if it turns from a heading to another one
-/// at a point.
+/// Returns the point where the lines beside a path meet, relative to the corner and per metre of their offset to
+/// the left, if the heading changes at a point from `before` to `after`.
 pub(crate) fn corner(before: f64, after: f64) -> Option<DVec2> {
     let [from, to] = [before, after].map(|heading| unit_vector(heading).perp());
     let is_turn = wrap_angle(after - before).abs() > CORNER;
     is_turn.then(|| (from + to) / (1.0 + from.dot(to)).max(SHARPEST))
 }
 
-/// Into how many chords a stretch of a piece is cut. A chord over `l` metres of the centre strays
-/// from a line at `offset` by k l^2 (1 + k offset) / 8 on the outer side, less on the inner.
+/// Returns the number of chords into which a section of a piece is split. A chord over `l` metres of the centreline
+/// deviates from a line at `offset` by k l^2 (1 + k offset) / 8 on the outer side, and by less on the inner side.
 fn chords(curve: &Curve, length: f64, offset: f64, tolerance: f64) -> f64 {
     let k = curve.max_curvature();
     let longest = (8.0 * tolerance / (k * (1.0 + k * offset))).sqrt();

@@ -1,12 +1,11 @@
 //! Exact plane curves: lines, arcs and clothoids, and paths made of them.
 //!
-//! A [`Curve`] is a piece whose curvature changes linearly with the distance along it, which is
-//! what OpenDRIVE calls `line`, `arc` and `spiral`. A [`Path`] joins pieces; [`PathIndex`] finds
-//! the nearest point of a path; [`overlap`] finds whether a strip along a path covers itself.
+//! A [`Curve`] is a piece whose curvature changes linearly with the distance along it; OpenDRIVE calls such pieces
+//! `line`, `arc` and `spiral`. A [`Path`] joins pieces, [`PathIndex`] finds the nearest point of a path, and
+//! [`overlap`] finds whether a strip along a path overlaps itself.
 //!
-//! Every point comes from a closed form in the piece that it lies on, never from summing steps, so
-//! that its error does not grow along the path: it stays within a few units in the last place of
-//! the coordinates.
+//! Every point is computed by a closed form within its piece, never by summing steps, so that its error does not
+//! grow along the path. It remains within a few units in the last place of the coordinates.
 
 mod index;
 mod line;

@@ -1,11 +1,10 @@
-//! Whether a strip along a path covers itself, and where lines beside the path meet it.
+//! Tests whether a strip along a path overlaps itself, and where lines beside the path meet it.
 //!
-//! The strip of half width h is the union of the path's normals of length h to both sides. As long
-//! as every bend is wider than h, the strip is locally one-to-one, and it covers itself exactly
-//! when its border touches itself: a map from a disc that is locally one-to-one, and one-to-one on
-//! the border, is one-to-one. The border is made of lines and arcs, which are intersected in
-//! closed form. The border along a clothoid is taken as arcs that stray from it by at most
-//! [`TOLERANCE`].
+//! The strip of half width h is the union of the path's normals of length h to both sides. As long as every bend
+//! has a radius greater than h, the strip is locally one-to-one, and it overlaps itself if and only if its border
+//! touches itself: a map from a disc that is locally one-to-one, and one-to-one on the border, is one-to-one. The
+//! border consists of lines and arcs, which are intersected in closed form. The border along a clothoid is replaced
+//! by arcs that deviate from it by at most [`TOLERANCE`].
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,26 +14,26 @@ use super::tree::BoxTree;
 use super::{Curve, Path};
 use crate::geometry::{Rect, unit_vector};
 
-/// How far the arcs that replace a clothoid's border stray from it at most, in metres.
+/// The greatest deviation, in metres, of the arcs that replace the border along a clothoid.
 pub const TOLERANCE: f64 = 1e-5;
 
-/// Shorter pieces, in metres, are not part of the border: their neighbours meet.
+/// Pieces shorter than this, in metres, are not part of the border; their neighbours meet.
 const SHORTEST: f64 = 1e-6;
 
-/// Rounding in the fraction along a line or arc.
+/// The rounding error of the fraction along a line or arc.
 const EDGE: f64 = 1e-12;
 
-/// Ends nearer than this to another line, in metres, lie on it.
+/// Ends that are nearer to another line than this, in metres, lie on it.
 const TOUCH: f64 = 1e-9;
 
-/// Whether the strip of half width `half` along the path, whose bends must all be wider than
-/// `half`, covers itself: two distances along the path where it does, the lesser first, or `None`.
+/// Tests whether the strip of half width `half` along the path overlaps itself. All bends must have a radius
+/// greater than `half`. Returns two distances along the path at which the strip overlaps itself, the lesser first,
+/// or `None`.
 ///
-/// A path whose headings span less than pi never does: for each of its points the two circles of
-/// the tightest bend's radius that touch the path there stay clear of the rest of it, because the
-/// sine of the heading changes by at most 1/radius per metre along the middle direction. So the
-/// normal at one point, inside those circles, is never as near to another point of the path as to
-/// its own, and no two normals meet.
+/// A path whose headings span less than pi never overlaps itself. For each of its points, the two circles with the
+/// radius of the tightest bend that touch the path there do not meet the rest of it, because the sine of the
+/// heading changes by at most 1/radius per metre along the middle direction. So the normal at one point, which lies
+/// inside those circles, is never as near to another point of the path as to its own, and no two normals meet.
 pub fn strip_overlap(path: &Path<'_>, half: f64, closed: bool) -> Option<(f64, f64)> {
     let (low, high) = path.headings();
     if high - low < PI && !closed {
@@ -61,8 +60,8 @@ pub fn strip_overlap(path: &Path<'_>, half: f64, closed: bool) -> Option<(f64, f
     found
 }
 
-/// Whether half circles of radius `half` around both ends of a path that does not cover itself keep off its strip of
-/// half width `reach`.
+/// Whether half circles of radius `half` around both ends of a path that does not overlap itself do not touch its
+/// strip of half width `reach`.
 pub(crate) fn round_ends_are_clear(path: &Path<'_>, half: f64, reach: f64) -> bool {
     let mut border = Border::new(path, reach, true);
     let sides = border.edges.len();
@@ -76,8 +75,8 @@ pub(crate) fn round_ends_are_clear(path: &Path<'_>, half: f64, reach: f64) -> bo
     })
 }
 
-/// The stretches, as distances along the path, where the lines at the given offsets to the left of
-/// it all keep at least `half` metres from the whole path.
+/// Returns the sections, as distances along the path, in which the lines at the given offsets to the left of it are
+/// all at least `half` metres away from the whole path.
 pub(crate) fn clear_stretches(
     path: &Path<'_>,
     index: &super::PathIndex,
@@ -130,7 +129,7 @@ struct Border {
     edges: Vec<Edge>,
     tree: BoxTree,
     closed: bool,
-    /// Edges of the left side, which come first; those of the right side follow, then the ends.
+    /// Number of edges of the left side, which come first. Those of the right side follow, then the ends.
     left: usize,
     sides: usize,
 }
@@ -169,8 +168,8 @@ impl Border {
         self.tree = tree_of(&self.edges);
     }
 
-    /// Whether two edges meet by construction. Neighbours along a side touch smoothly, and smooth
-    /// neighbours that are lines or arcs of under a full turn meet nowhere else.
+    /// Whether two edges meet by construction. Neighbours along a side touch smoothly, and smooth neighbours that
+    /// are lines, or arcs of less than a full turn, meet nowhere else.
     fn adjacent(&self, i: usize, j: usize) -> bool {
         let (left, sides) = (self.left, self.sides);
         if j >= sides {
@@ -188,7 +187,7 @@ fn tree_of(edges: &[Edge]) -> BoxTree {
     BoxTree::new(&edges.iter().map(Edge::bounds).collect::<Vec<_>>())
 }
 
-/// The line at `offset` metres to the left of a path, as lines and arcs.
+/// Adds the line at `offset` metres to the left of a path, as lines and arcs.
 fn side(path: &Path<'_>, offset: f64, edges: &mut Vec<Edge>) {
     for (i, curve) in path.curves().iter().enumerate() {
         if curve.length < SHORTEST {
@@ -243,7 +242,7 @@ struct Arc {
 }
 
 impl Arc {
-    /// The arc from one place beside a curve to another.
+    /// Creates the arc from one place beside a curve to another.
     fn between(curve: &Curve, offset: f64, a: (DVec2, f64), b: (DVec2, f64)) -> Option<Arc> {
         let sweep = b.1 - a.1;
         if sweep.abs() < 1e-9 {
@@ -270,7 +269,7 @@ impl Arc {
         self.center + unit_vector(self.from + fraction * self.sweep) * self.radius
     }
 
-    /// How far along the arc a direction from the centre lies, as a fraction.
+    /// Returns the position on the arc of a direction from the centre, as a fraction of the arc.
     fn fraction(&self, p: DVec2) -> Option<f64> {
         let out = p - self.center;
         let mut angle = (libm::atan2(out.y, out.x) - self.from) * self.sweep.signum();
@@ -306,7 +305,7 @@ impl Edge {
         chord.grown(sagitta + TOUCH)
     }
 
-    /// The fraction along the edge of a point on its line or circle.
+    /// Returns the position of a point on the edge's line or circle, as a fraction of the edge.
     fn fraction(&self, p: DVec2) -> Option<f64> {
         match self.arc {
             Some(arc) => arc.fraction(p),
@@ -318,13 +317,14 @@ impl Edge {
         }
     }
 
-    /// Whether a point lies on the edge, up to [`TOUCH`]: then the fraction along it.
+    /// Returns the position of a point that lies on the edge, up to [`TOUCH`], as a fraction of the edge; otherwise
+    /// `None`.
     fn touched_by(&self, p: DVec2) -> Option<f64> {
         self.fraction(p).filter(|&fraction| self.at(fraction).distance(p) < TOUCH)
     }
 
-    /// Calls `found` with the fractions along both edges of the points that they share; of a common
-    /// stretch, with its ends.
+    /// Calls `found` with the fractions along both edges of the points that they share; for a common section, with
+    /// its ends.
     fn meets(&self, other: &Edge, mut found: impl FnMut(f64, f64)) {
         let mut both = |p: DVec2| {
             if let (Some(a), Some(b)) = (self.fraction(p), other.fraction(p)) {

@@ -1,4 +1,4 @@
-//! Pieces of curves, one after the other.
+//! Paths: curves one after the other.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use super::Curve;
 use super::series::Polynomial;
 use crate::geometry::{Pose, unit_vector, wrap_angle};
 
-/// A path of pieces, each starting where the one before ends.
+/// A path of pieces, each of which starts where the one before it ends.
 ///
 /// ```
 /// use envgen::curve::{Curve, Path, PathIndex};
@@ -32,7 +32,7 @@ pub struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// The path of the given pieces, which are taken as they are.
+    /// Creates the path of the given pieces, which are used as they are.
     pub fn new(curves: impl Into<Cow<'a, [Curve]>>) -> Self {
         let curves = curves.into();
         let mut starts = Vec::with_capacity(curves.len() + 1);
@@ -45,13 +45,13 @@ impl<'a> Path<'a> {
         Path { curves, starts }
     }
 
-    /// The pieces.
+    /// Returns the pieces.
     pub fn curves(&self) -> &[Curve] {
         &self.curves
     }
 
-    /// The distance along the path, in metres, at which piece `i` starts; for one past the last
-    /// piece, the path's length.
+    /// Returns the distance along the path, in metres, at which piece `i` starts. For one past the last piece, it
+    /// is the length of the path.
     ///
     /// # Panics
     /// When there are fewer than `i` pieces.
@@ -59,25 +59,25 @@ impl<'a> Path<'a> {
         self.starts[i]
     }
 
-    /// Length in metres.
+    /// Returns the length in metres.
     pub fn length(&self) -> f64 {
         self.starts[self.starts.len() - 1]
     }
 
-    /// The pose at `s` metres along the path; before the start and after the end, the curve of the first
-    /// or last piece continues. The default pose when there are no pieces. Time: the logarithm of the
-    /// number of pieces; a [`Path::walk`] takes many poses in order faster.
+    /// Returns the pose at `s` metres along the path. Before the start and after the end, the curve of the first or
+    /// last piece continues. Without pieces, it is the default pose. It takes time logarithmic in the number of
+    /// pieces; [`Path::walk`] computes many poses in order faster.
     pub fn pose_at(&self, s: f64) -> Pose {
         self.piece_at(s).map_or_else(Pose::default, |(i, t)| self.curves[i].pose_at(t))
     }
 
-    /// Curvature at `s` metres along the path in 1/m, positive to the left. Where two pieces meet it
-    /// is the later one's.
+    /// Returns the curvature at `s` metres along the path in 1/m, positive to the left. Where two pieces meet, it
+    /// is that of the later one.
     pub fn curvature_at(&self, s: f64) -> f64 {
         self.piece_at(s).map_or(0.0, |(i, t)| self.curves[i].curvature_at(t))
     }
 
-    /// The path with neighbouring lines, and neighbouring arcs of one curvature, merged into one piece.
+    /// Returns the path with neighbouring lines, and neighbouring arcs of the same curvature, merged into one piece.
     pub fn merged(&self) -> Path<'static> {
         let mut merged: Vec<Curve> = Vec::with_capacity(self.curves.len());
         for curve in self.curves.iter() {
@@ -98,12 +98,12 @@ impl<'a> Path<'a> {
         Path::new(merged)
     }
 
-    /// A walk along the path.
+    /// Returns a walk along the path, which computes poses in order.
     pub fn walk(&self) -> Walk<'_> {
         Walk { path: self, piece: 0, axis: self.axis(0), patch: None }
     }
 
-    /// Least and greatest heading along the path, in radians.
+    /// Returns the least and greatest heading along the path, in radians.
     pub fn headings(&self) -> (f64, f64) {
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         let mut take = |heading: f64| range = (range.0.min(heading), range.1.max(heading));
@@ -117,9 +117,10 @@ impl<'a> Path<'a> {
         range
     }
 
-    /// The distance along the path, near `s` metres, at which a point lies beside it: the zero of
-    /// the squared distance's derivative that Newton's method finds from `s`. Unlike
-    /// [`PathIndex::locate`](super::PathIndex::locate) it is not misled where a path meets itself.
+    /// Returns the distance along the path, near `s` metres, at which a point lies beside it: the zero of the
+    /// squared distance's derivative that Newton's method finds from `s`. Unlike
+    /// [`PathIndex::locate`](super::PathIndex::locate), it does not jump to another section where a path meets
+    /// itself.
     pub fn foot_from(&self, s: f64, point: DVec2) -> f64 {
         let mut s = s;
         for _ in 0..8 {
@@ -133,7 +134,7 @@ impl<'a> Path<'a> {
         s
     }
 
-    /// The piece at `s` metres, and how far into it.
+    /// Returns the index of the piece at `s` metres, and the distance into that piece.
     pub(super) fn piece_at(&self, s: f64) -> Option<(usize, f64)> {
         let last = self.curves.len().checked_sub(1)?;
         let i = self.starts[1..=last].partition_point(|&start| start <= s);
@@ -155,9 +156,9 @@ pub struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Pose and curvature at `s` metres along the path, which must not be less than in the call
-    /// before: the walk continues from the piece that it reached. The result does not depend on
-    /// earlier calls; it agrees with [`Path::pose_at`] to the rounding of the coordinates.
+    /// Returns the pose and the curvature at `s` metres along the path. `s` must not be less than in the previous
+    /// call, because the walk continues from the piece that it has reached. The result does not depend on earlier
+    /// calls, and it agrees with [`Path::pose_at`] to the rounding of the coordinates.
     #[inline]
     pub fn to(&mut self, s: f64) -> (Pose, f64) {
         let path = self.path;
@@ -184,14 +185,14 @@ impl Walk<'_> {
     }
 }
 
-/// Coefficients of a patch: its half turn to this power, divided by the factorial, is under 1e-17.
+/// The number of coefficients of a patch: its half turn to this power, divided by the factorial, is under 1e-17.
 const DEGREE: usize = 14;
 
-/// Half of the angle that a patch turns by at most, in radians.
+/// Half of the greatest angle by which a patch turns, in radians.
 const HALF_TURN: f64 = 0.3;
 
-/// A stretch of a clothoid as a polynomial of the distance from its middle. A piece's patches are
-/// fixed, and their middles come from the piece's start, so that no error adds up.
+/// A section of a clothoid as a polynomial of the distance from its middle. The patches of a piece are fixed, and
+/// their middles are computed from the piece's start, so that errors do not add up.
 #[derive(Clone, Debug)]
 struct Patch {
     /// Its index among the piece's patches, their number, and the length of each.

@@ -1,4 +1,4 @@
-//! A segment of a path: a line, an arc or a clothoid.
+//! Segments of a path: lines, arcs and clothoids.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -23,7 +23,7 @@ use crate::geometry::{Pose, unit_vector};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Curve {
-    /// Where it starts.
+    /// The pose at the start.
     pub start: Pose,
     /// Length in metres.
     pub length: f64,
@@ -34,12 +34,12 @@ pub struct Curve {
 }
 
 impl Curve {
-    /// A straight line.
+    /// Creates a straight line.
     pub fn line(start: Pose, length: f64) -> Curve {
         Curve::arc(start, length, 0.0)
     }
 
-    /// An arc of constant curvature in 1/m, positive to the left.
+    /// Creates an arc of constant curvature in 1/m, positive to the left.
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
@@ -57,55 +57,55 @@ impl Curve {
         Curve { start, length, start_curvature: curvature, end_curvature: curvature }
     }
 
-    /// Whether it has no curvature at all.
+    /// Returns whether the segment is straight.
     pub fn is_line(&self) -> bool {
         self.start_curvature == 0.0 && self.end_curvature == 0.0
     }
 
-    /// Whether its curvature is the same everywhere.
+    /// Returns whether the curvature is the same everywhere.
     pub fn is_arc(&self) -> bool {
         self.start_curvature == self.end_curvature
     }
 
-    /// Change of curvature per metre, in 1/m^2.
+    /// Returns the change of curvature per metre, in 1/m^2.
     pub fn sharpness(&self) -> f64 {
         if self.is_arc() { 0.0 } else { (self.end_curvature - self.start_curvature) / self.length }
     }
 
-    /// Greatest absolute curvature in 1/m.
+    /// Returns the greatest absolute curvature in 1/m.
     pub fn max_curvature(&self) -> f64 {
         self.start_curvature.abs().max(self.end_curvature.abs())
     }
 
-    /// The angle by which the heading changes from start to end, in radians.
+    /// Returns the angle by which the heading changes from start to end, in radians.
     pub fn turn(&self) -> f64 {
         0.5 * self.length * (self.start_curvature + self.end_curvature)
     }
 
-    /// Curvature at `t` metres from the start.
+    /// Returns the curvature in 1/m at `t` metres from the start.
     pub fn curvature_at(&self, t: f64) -> f64 {
         self.start_curvature + self.sharpness() * t
     }
 
-    /// Heading in radians at `t` metres from the start, not wrapped: it can exceed pi.
+    /// Returns the heading in radians at `t` metres from the start. It is not wrapped: it can exceed pi.
     pub fn heading_at(&self, t: f64) -> f64 {
         self.start.heading + t * (self.start_curvature + 0.5 * self.sharpness() * t)
     }
 
-    /// The pose at `t` metres from the start. The position errs by under 1e-14 of `t`, and by the
+    /// Returns the pose at `t` metres from the start. The error of the position is under 1e-14 of `t`, plus the
     /// rounding of the coordinates.
     pub fn pose_at(&self, t: f64) -> Pose {
         let axis = unit_vector(self.start.heading);
         Pose { position: self.position_from(axis, t), heading: self.heading_at(t) }
     }
 
-    /// The pose at the end.
+    /// Returns the pose at the end.
     pub fn end(&self) -> Pose {
         let pose = self.pose_at(self.length);
         Pose { heading: self.start.heading + self.turn(), ..pose }
     }
 
-    /// The position at `t` metres, given the unit vector of the start's heading.
+    /// Returns the position at `t` metres, given the unit vector of the heading at the start.
     #[inline]
     pub(super) fn position_from(&self, axis: DVec2, t: f64) -> DVec2 {
         let local = displacement(self.start_curvature, self.sharpness(), t);

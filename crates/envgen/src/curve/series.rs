@@ -1,10 +1,10 @@
-//! The integral behind a clothoid.
+//! The integral that gives the points of a clothoid.
 
 use glam::DVec2;
 
 use crate::geometry::unit_vector;
 
-/// 1/n for n up to the most terms that the series takes.
+/// 1/n for n up to the greatest number of terms of the series.
 const INVERSE: [f64; 66] = {
     let mut table = [0.0; 66];
     let mut n = 1;
@@ -15,14 +15,14 @@ const INVERSE: [f64; 66] = {
     table
 };
 
-/// Stretches whose heading may change by more than this, in radians, are cut: the terms of
-/// the series then fall quickly, and none is so large that digits cancel.
+/// Sections whose heading may change by more than this, in radians, are split. The terms of the series then fall
+/// quickly, and no term is so large that digits cancel.
 const LONGEST: f64 = 1.5;
 
-/// No more cuts than this; [`World::check`](crate::World::check) refuses curves that need more.
+/// The greatest number of sections; [`World::check`](crate::World::check) refuses curves that need more.
 const MOST_CUTS: f64 = 4096.0;
 
-/// The position after `t` metres from the origin along +x, on a curve of curvature `k` + `c` t.
+/// Returns the position after `t` metres from the origin along +x, on a curve of curvature `k` + `c` t.
 #[inline]
 pub(super) fn displacement(k: f64, c: f64, t: f64) -> DVec2 {
     if c != 0.0 {
@@ -55,8 +55,8 @@ fn clothoid(k: f64, c: f64, t: f64) -> DVec2 {
     sum
 }
 
-/// The integral of exp(i (k v + q v^2 / 2)) over v from 0 to 1, by the power series of the
-/// integrand f: from f' = i (k + q v) f follows (n + 1) b(n+1) = i (k b(n) + q b(n-1)).
+/// Returns the integral of exp(i (k v + q v^2 / 2)) over v from 0 to 1, by the power series of the integrand f:
+/// from f' = i (k + q v) f follows (n + 1) b(n+1) = i (k b(n) + q b(n-1)).
 fn series(k: f64, q: f64) -> DVec2 {
     let (mut last, mut term) = (DVec2::ZERO, DVec2::X);
     let mut sum = DVec2::X;
@@ -71,7 +71,7 @@ fn series(k: f64, q: f64) -> DVec2 {
     sum
 }
 
-/// A short stretch of a clothoid as a polynomial of the distance from a point of it.
+/// A short section of a clothoid as a polynomial of the distance from a point of it.
 #[derive(Clone, Debug)]
 pub(super) struct Polynomial<const N: usize> {
     start: DVec2,
@@ -80,8 +80,8 @@ pub(super) struct Polynomial<const N: usize> {
 }
 
 impl<const N: usize> Polynomial<N> {
-    /// Around a point with its direction, its curvature `k` and the change of curvature per metre
-    /// `c`: the direction f has f' = i (k + c u) f.
+    /// Creates the polynomial around a point with its direction, its curvature `k` and the change of curvature per
+    /// metre `c`: the direction f has f' = i (k + c u) f.
     pub(super) fn new(start: DVec2, axis: DVec2, k: f64, c: f64) -> Self {
         let mut direction = [axis; N];
         let mut last = DVec2::ZERO;
@@ -93,8 +93,8 @@ impl<const N: usize> Polynomial<N> {
         Polynomial { start, direction }
     }
 
-    /// The position at a signed distance `u` in metres. It errs by the distance times the angle
-    /// turned to the power of N over N factorial.
+    /// Returns the position at a signed distance `u` in metres. Its error is the distance times the angle turned to
+    /// the power of N over N factorial.
     #[inline]
     pub(super) fn position(&self, u: f64) -> DVec2 {
         let sum =
@@ -102,7 +102,7 @@ impl<const N: usize> Polynomial<N> {
         self.start + sum * u
     }
 
-    /// The unit vector of the heading at a signed distance `u` in metres.
+    /// Returns the unit vector of the heading at a signed distance `u` in metres.
     #[inline]
     pub(super) fn direction(&self, u: f64) -> DVec2 {
         self.direction.iter().rev().fold(DVec2::ZERO, |sum, c| sum * u + *c)

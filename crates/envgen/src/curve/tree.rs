@@ -4,16 +4,16 @@ use glam::DVec2;
 
 use crate::geometry::Rect;
 
-/// A balanced binary tree over boxes in the order given: neighbours along a path are neighbours in
-/// space, so that no sorting is needed.
+/// A balanced binary tree over boxes in the order given. Neighbours along a path are neighbours in space, so that
+/// no sorting is needed.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BoxTree {
-    /// Node 1 is the root, the children of `n` are `2 n` and `2 n + 1`; leaves from `leaves` on.
+    /// The nodes. Node 1 is the root, the children of `n` are `2 n` and `2 n + 1`, and the leaves begin at `leaves`.
     nodes: Vec<Rect>,
     leaves: usize,
 }
 
-/// An empty box: it overlaps none, and is infinitely far away.
+/// An empty box, which overlaps no other box and is infinitely far away.
 const NOTHING: Rect = Rect::new(DVec2::INFINITY, DVec2::NEG_INFINITY);
 
 impl BoxTree {
@@ -27,8 +27,8 @@ impl BoxTree {
         BoxTree { nodes, leaves }
     }
 
-    /// Calls `visit` with every box that shares a point with `area`, in order, until it says true;
-    /// returns whether it did.
+    /// Calls `visit` with every box that shares a point with `area`, in order, until it returns true; returns
+    /// whether it did.
     pub(super) fn any_overlap(&self, area: Rect, mut visit: impl FnMut(usize) -> bool) -> bool {
         let mut stack = vec![1];
         while let Some(n) = stack.pop() {
@@ -46,8 +46,8 @@ impl BoxTree {
         false
     }
 
-    /// Calls `visit` with boxes, nearer ones first, whose squared distance from `p` does not exceed
-    /// the number that it last returned.
+    /// Calls `visit` with boxes, nearer ones first, whose squared distance from `p` does not exceed the number that
+    /// it returned last.
     pub(super) fn nearest(&self, p: DVec2, mut visit: impl FnMut(usize) -> f64) {
         let mut best = f64::INFINITY;
         // A path down a tree of 2^62 leaves leaves no more than 62 others open.
