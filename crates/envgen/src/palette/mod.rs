@@ -1,15 +1,15 @@
-//! The colours of worlds and maps, the same in every picture of them: SVG, PNG, Bevy, reports.
+//! The colours of worlds and maps, which are the same in all pictures: SVG, PNG, Bevy and reports.
 //!
 //! | what | where |
 //! |---|---|
-//! | basic hues, start, goal, page | the constants here |
+//! | basic hues, start, goal, page | the constants of this module |
 //! | walls, obstacles, surfaces and other parts | [`wall`], [`obstacle`], [`surface`], [`TREE`], [`ROAD`] and others |
 //! | scales | [`difficulty`], [`class`], [`ordered_class`] |
 //! | occupancy grids and trajectories | [`map`] |
 //!
-//! People who are colour-blind can distinguish them too: hues after M. Okabe and K. Ito, Color Universal
-//! Design (2008), difficulties after `YlOrRd` of C. Brewer's colour schemes for maps (2003), whose
-//! lightness falls throughout, and landscape classes after P. Tol's "light" scheme (Colour Schemes,
+//! The colours are also distinguishable for people who are colour-blind: hues after M. Okabe and K. Ito, Color
+//! Universal Design (2008); difficulties after `YlOrRd` of C. Brewer's colour schemes for maps (2003), whose
+//! lightness falls throughout; and landscape classes after P. Tol's "light" scheme (Colour Schemes,
 //! SRON/EPS/TN/09-002).
 //!
 //! ```

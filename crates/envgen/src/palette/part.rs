@@ -8,9 +8,9 @@ use crate::world::{ObstacleKind, SurfaceKind, WallKind};
 /// The colours of a part: of its area, and of the line around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartColor {
-    /// The area.
+    /// The colour of the area.
     pub fill: Srgb,
-    /// The line around it.
+    /// The colour of the line around the area.
     pub edge: Srgb,
 }
 
@@ -19,7 +19,7 @@ impl PartColor {
         PartColor { fill: Srgb::hex(fill), edge: Srgb::hex(edge) }
     }
 
-    /// A part whose edge cannot be distinguished from its area.
+    /// Creates the colours of a part whose edge cannot be distinguished from its area.
     const fn plain(fill: u32) -> PartColor {
         PartColor::new(fill, fill)
     }
@@ -31,31 +31,31 @@ pub const TREE: PartColor = PartColor::new(0x74_b8_87, 0x2a_6b_4a);
 pub const ROAD: PartColor = PartColor::new(0x9c_a1_aa, 0x5f_65_70);
 /// The lines between the lanes of a road.
 pub const ROAD_MARKING: Srgb = Srgb::hex(0xff_ff_ff);
-/// A room with light and without a difficulty.
+/// A lit room without a difficulty.
 pub const ROOM: PartColor = PartColor::new(0xe8_ea_ee, 0xa9_a4_9a);
-/// What is mixed into the floors of rooms without light, and the hatching on them.
+/// The colour that is mixed into the floors of unlit rooms, and of the hatching on them.
 pub const UNLIT: Srgb = Srgb::hex(0x2b_32_52);
 /// A doorway that a robot can pass.
 pub const OPEN_DOORWAY: PartColor = PartColor { fill: Srgb::hex(0xd6_f0_e6), edge: GREEN };
-/// A doorway whose door is closed.
+/// A doorway with a closed door.
 pub const CLOSED_DOORWAY: PartColor = PartColor::new(0xb5_4a_1f, 0x6e_2a_10);
-/// A person to be found.
+/// A victim: a person to be found.
 pub const VICTIM: PartColor = PartColor { fill: PURPLE, edge: Srgb::hex(0x7a_2f_5a) };
 
-/// A person who walks about.
+/// A person who moves in the scenario.
 pub const PERSON: PartColor = PartColor { fill: GREEN, edge: Srgb::hex(0x00_4a_36) };
-/// The leaf of a door that moves.
+/// The leaf of a moving door.
 pub const LEAF: PartColor = CLOSED_DOORWAY;
 /// Smoke, which is transparent.
 pub const SMOKE: PartColor = PartColor { fill: QUIET_INK, edge: QUIET_INK };
 
-/// The floor of a room of a difficulty from 0 to 10, if it has one, with light or without.
+/// Returns the colour of the floor of a room, lit or unlit, with a difficulty from 0 to 10 if it has one.
 pub fn room_floor(rated: Option<f64>, lit: bool) -> Srgb {
     let color = rated.map_or(ROOM.fill, difficulty);
     if lit { color } else { color.mix(UNLIT, 0.18) }
 }
 
-/// A wall.
+/// Returns the colours of a wall.
 pub const fn wall(kind: WallKind) -> PartColor {
     match kind {
         WallKind::Wall => PartColor::plain(0x3b_42_4d),
@@ -66,10 +66,10 @@ pub const fn wall(kind: WallKind) -> PartColor {
     }
 }
 
-/// A wall or an obstacle that lasers see only from near.
+/// A wall or an obstacle with a limited visible range.
 pub const DARK: PartColor = PartColor::new(0x0b_0d_12, 0xf2_c1_4e);
 
-/// An obstacle.
+/// Returns the colours of an obstacle.
 pub const fn obstacle(kind: ObstacleKind) -> PartColor {
     match kind {
         ObstacleKind::DoorPost => PartColor { fill: ORANGE, edge: Srgb::hex(0x8a_5a_00) },
@@ -90,7 +90,7 @@ pub const fn obstacle(kind: ObstacleKind) -> PartColor {
     }
 }
 
-/// A surface. Pieces of one class join without a line between them.
+/// Returns the colours of a surface. Pieces of one class join without a line between them.
 pub fn surface(kind: SurfaceKind) -> PartColor {
     match kind {
         SurfaceKind::Uneven => PartColor::new(0xee_e2_bf, 0xb9_a0_5f),

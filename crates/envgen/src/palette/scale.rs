@@ -12,7 +12,8 @@ const DIFFICULTIES: [Srgb; 6] = [
     Srgb::hex(0x9c_22_42),
 ];
 
-/// The colour of a difficulty from 0 to 10, darker the more difficult; values outside are clamped.
+/// Returns the colour of a difficulty from 0 to 10, which is darker for greater difficulties. Values outside are
+/// clamped.
 ///
 /// ```
 /// use envgen::palette;
@@ -41,8 +42,8 @@ const CLASS_HUES: [Srgb; CLASSES as usize] = [
     Srgb::hex(0xcc_cc_cc),
 ];
 
-/// The colour of a landscape class, counted from 1. The first [`CLASSES`] are chosen to be
-/// distinguishable; later ones are their mixtures with their second neighbours and with the ink.
+/// Returns the colour of a landscape class, counted from 1. The colours of the first [`CLASSES`] classes are chosen
+/// to be distinguishable; later ones are mixtures of these with their second neighbours and with the ink.
 pub fn class(class: u16) -> Srgb {
     let index = usize::from(class.saturating_sub(1));
     let (i, round) = (index % CLASS_HUES.len(), index / CLASS_HUES.len());
@@ -54,9 +55,8 @@ pub fn class(class: u16) -> Srgb {
     color.mix(PAGE, 0.15)
 }
 
-/// The colour of one of `classes` landscape classes in an order, counted from 1: from dark blue over
-/// green to yellow, after matplotlib's viridis (CC0). Lightness rises with the class. 0, no data, is
-/// black.
+/// Returns the colour of one of `classes` ordered landscape classes, counted from 1: from dark blue over green to
+/// yellow, after matplotlib's viridis (CC0). Lightness rises with the class. The colour of 0, no data, is black.
 pub fn ordered_class(class: u16, classes: u16) -> Srgb {
     const VIRIDIS: [Srgb; 9] = [
         Srgb([68, 1, 84]),

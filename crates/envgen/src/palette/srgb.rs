@@ -1,19 +1,19 @@
-//! An opaque colour.
+//! Opaque colours.
 
 use std::fmt;
 
-/// An opaque sRGB colour: red, green and blue from 0 to 255. As text it is `#rrggbb`.
+/// An opaque sRGB colour: red, green and blue from 0 to 255. Its text form is `#rrggbb`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Srgb(pub [u8; 3]);
 
 impl Srgb {
-    /// The colour of a number such as `0xd5_5e_00`; its highest byte is ignored.
+    /// Creates a colour from a number such as `0xd5_5e_00`. The highest byte of the number is ignored.
     pub const fn hex(rgb: u32) -> Srgb {
         let [_, r, g, b] = rgb.to_be_bytes();
         Srgb([r, g, b])
     }
 
-    /// The colour between this one (share 0) and another (share 1), channel by channel.
+    /// Returns the colour between this one (share 0) and another one (share 1), interpolated channel by channel.
     ///
     /// ```
     /// use envgen::palette::Srgb;
@@ -30,7 +30,7 @@ impl Srgb {
         Srgb([mixed(0), mixed(1), mixed(2)])
     }
 
-    /// Red, green and blue in linear light from 0 to 1 (IEC 61966-2-1), as renderers calculate with.
+    /// Returns red, green and blue in linear light from 0 to 1 (IEC 61966-2-1), as used by renderers.
     ///
     /// ```
     /// use envgen::palette::Srgb;
@@ -50,7 +50,7 @@ impl Srgb {
         })
     }
 
-    /// Perceived lightness from 0 to 1 (the luma of ITU-R BT.601).
+    /// Returns the perceived lightness from 0 to 1 (the luma of ITU-R BT.601).
     pub fn lightness(self) -> f64 {
         let [r, g, b] = self.0.map(f64::from);
         (0.299 * r + 0.587 * g + 0.114 * b) / 255.0
