@@ -1,5 +1,5 @@
-//! Free discs that overlap each other from one point to another: a proof that a disc passes where
-//! pieces near each other are too many to compare in pairs, at a cost that depends on the path.
+//! Chains of overlapping free discs from one point to another. Such a chain proves that a disc can pass where too
+//! many pieces are near each other to be compared in pairs, at a cost that depends on the path.
 
 use std::borrow::Cow;
 use std::cmp::Ordering;
@@ -15,7 +15,7 @@ use crate::geometry::{Rect, Shape};
 /// The greatest radius of a bubble, as a share of the disc's.
 const MOST: f64 = 0.5;
 
-/// The least radius of the bubbles that begin at an end, and of all others, as shares of the disc's. The
+/// The least radius of the bubbles that begin at an end, and of all others, as shares of the disc's radius. The
 /// claims of generators leave a fifth of half the width of hallways and roads.
 const LEAST: f64 = 1e-3;
 const SPARE: f64 = 0.05;
@@ -23,16 +23,16 @@ const SPARE: f64 = 0.05;
 /// The distance between the points of a bubble's border from which others grow, as a share of the disc's radius.
 const SPACING: f64 = 0.1;
 
-/// The least number of those points.
+/// The least number of such points.
 const LEAST_POINTS: usize = 8;
 
-/// A point this much of its radius away from a bubble's middle is inside, whatever rounding does.
+/// A point within this share of a bubble's radius is inside the bubble, whatever the rounding errors are.
 const INSIDE: f64 = 1.0 - 1e-6;
 
 /// A point within this share of a bubble's radius needs no bubble of its own.
 const COVERED: f64 = 0.99;
 
-/// The cost of a bubble besides the comparisons with pieces.
+/// The cost of a bubble, in addition to the comparisons with pieces.
 const BUBBLE_COST: u64 = 4;
 
 /// The free space of a disc, around which other discs of the path are sought.
@@ -42,12 +42,12 @@ pub(super) struct Bubbles {
     radius: f64,
 }
 
-/// All of it is free for the disc's middle.
+/// A disc of points that are all free for the moving disc's centre.
 #[derive(Clone, Copy, Debug)]
 struct Bubble {
     middle: DVec2,
     radius: f64,
-    /// Which of the two ends it is joined to.
+    /// Which of the two ends the bubble is joined to.
     end: usize,
 }
 
@@ -58,17 +58,17 @@ struct Growth {
     middle: DVec2,
 }
 
-/// What adding a bubble showed.
+/// The result of adding a bubble.
 enum Added {
-    /// Its middle is inside of others of its end.
+    /// Its centre lies inside other bubbles of its end.
     Covered,
-    /// It overlaps one of the other end.
+    /// It overlaps a bubble of the other end.
     Joins,
-    /// Neither.
+    /// Neither of these.
     Alone,
 }
 
-/// Bubbles by the cell of their middle; cells are as wide as the largest bubble.
+/// The bubbles by the cell of their centre. Cells are as wide as the largest bubble.
 struct Found {
     side: f64,
     cells: BTreeMap<[i64; 2], Vec<Bubble>>,
@@ -76,7 +76,7 @@ struct Found {
 }
 
 impl Bubbles {
-    /// The free space of a disc with its middle inside of `area`. `radius` must be above 0.
+    /// Creates the free space of a disc whose centre lies inside `area`. `radius` must be above 0.
     pub(super) fn new<'a>(
         shapes: impl Iterator<Item = Cow<'a, Shape>>,
         area: Rect,
@@ -85,8 +85,8 @@ impl Bubbles {
         Ok(Bubbles { pieces: Pieces::new(shapes, (1.0 + MOST) * radius)?, area, radius })
     }
 
-    /// Whether a path is found between two points that lie in the area and outside of all shapes: bubbles
-    /// grow from both, the largest first, until two of them overlap.
+    /// Whether a path is found between two points that lie in the area and outside all shapes. Bubbles grow from
+    /// both points, the largest first, until two of them overlap.
     pub(super) fn join(&self, ends: [DVec2; 2], budget: &mut Budget) -> Result<bool, Doubt> {
         let side = 2.0 * MOST * self.radius;
         let mut found = Found { side, cells: BTreeMap::new(), count: 0 };
@@ -124,8 +124,8 @@ impl Bubbles {
         }
     }
 
-    /// How far the disc's middle can be moved in every direction inside of the area, which is convex: a
-    /// bubble's part in it is in one piece, and so are two that overlap.
+    /// Returns how far the disc's centre can be moved in every direction inside the area. Because the area is
+    /// convex, a bubble's part in it is connected, and so are two bubbles that overlap.
     fn spare(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
         Ok((self.pieces.clearance(p, budget)? - self.radius).min(MOST * self.radius))
     }
@@ -136,7 +136,7 @@ impl Found {
         [(p.x / self.side).floor() as i64, (p.y / self.side).floor() as i64]
     }
 
-    /// The bubbles in the cell of a point and around it.
+    /// Returns the bubbles in the cell of a point and in the cells around it.
     fn near(&self, p: DVec2) -> impl Iterator<Item = &Bubble> {
         let [col, row] = self.cell(p);
         let cells = (-1..=1).flat_map(move |i| {
@@ -145,7 +145,7 @@ impl Found {
         cells.filter_map(|cell| self.cells.get(&cell)).flatten()
     }
 
-    /// Whether a point is well inside of a bubble of an end.
+    /// Whether a point is well inside a bubble of an end.
     fn cover(&self, p: DVec2, end: usize, budget: &mut Budget) -> Result<bool, Doubt> {
         let mut compared = BUBBLE_COST;
         let mut near = self.near(p).inspect(|_| compared += 1);

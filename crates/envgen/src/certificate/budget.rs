@@ -1,44 +1,44 @@
-//! The limits of a check's cost, and why a claim is undecided.
+//! Limits of the cost of a check, and the reasons why a claim is undecided.
 
 use std::error::Error;
 use std::fmt;
 
-/// The most convex pieces (trees, boxes, segments, sides of polygons) of which a check keeps track:
-/// about 100 bytes each.
+/// The greatest number of convex pieces (trees, boxes, segments, sides of polygons) in a check. Each takes about
+/// 100 bytes.
 pub const MAX_PIECES: usize = 1 << 23;
 
-/// The most comparisons of a piece with a point per claim, with other work counted in the same unit:
-/// a few seconds.
+/// The greatest number of comparisons of a piece with a point per claim, which take a few seconds. Other work is
+/// counted in the same unit.
 pub const MAX_COMPARISONS: u64 = 1 << 29;
 
-/// The most comparisons per piece where this is more in all, as in long hallways and large buildings: a minute
-/// per million pieces.
+/// The greatest number of comparisons per piece, which applies if it gives more in total than [`MAX_COMPARISONS`],
+/// as in long hallways and large buildings. It takes a minute per million pieces.
 pub const MAX_COMPARISONS_PER_PIECE: u64 = 1 << 14;
 
-/// The most squares into which free space is divided to find its places: 8 bytes each.
+/// The greatest number of squares into which free space is divided to find its places. Each takes 8 bytes.
 pub const MAX_SQUARES: usize = 1 << 25;
 
-/// The most discs of free space that are joined to a path: about 200 bytes each.
+/// The greatest number of discs of free space that are joined to a path. Each takes about 200 bytes.
 pub const MAX_BUBBLES: usize = 1 << 21;
 
-/// The most points of its roads at which a world's bends are measured.
+/// The greatest number of points on a world's roads at which bends are measured.
 pub const MAX_BEND_POINTS: u64 = 1 << 23;
 
-/// Why a claim is undecided.
+/// The reasons why a claim is undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Doubt {
-    /// Two parts, or a part and a pose, are as far apart as the robot is wide, up to rounding.
+    /// Up to rounding, two parts, or a part and a pose, are exactly as far apart as the robot is wide.
     TooClose,
     /// The world has more than [`MAX_PIECES`] pieces.
     Pieces,
-    /// More than [`MAX_COMPARISONS`] comparisons would be needed.
+    /// The check would need more comparisons than [`MAX_COMPARISONS`] allows.
     Comparisons,
-    /// More than [`MAX_SQUARES`] squares would be needed.
+    /// The check would need more than [`MAX_SQUARES`] squares.
     Squares,
-    /// More than [`MAX_BEND_POINTS`] points would be needed.
+    /// The check would need more than [`MAX_BEND_POINTS`] points.
     BendPoints,
-    /// The world was predicted by another calibration.
+    /// The prediction was made by another version of the calibration.
     OtherCalibration,
 }
 
@@ -62,7 +62,7 @@ impl fmt::Display for Doubt {
 
 impl Error for Doubt {}
 
-/// Comparisons that are left.
+/// The number of comparisons that are left.
 pub(super) struct Budget(u64);
 
 impl Budget {
@@ -70,13 +70,13 @@ impl Budget {
         Budget(comparisons)
     }
 
-    /// Adds what a claim about a world of so many pieces may cost more than [`MAX_COMPARISONS`].
+    /// Adds the number by which the limit for a world of so many pieces exceeds [`MAX_COMPARISONS`].
     pub(super) fn grow(&mut self, pieces: usize) {
         let all = MAX_COMPARISONS_PER_PIECE * pieces as u64;
         self.0 += all.saturating_sub(MAX_COMPARISONS);
     }
 
-    /// Splits off half of what is left.
+    /// Splits off half of the remaining comparisons.
     pub(super) fn half(&mut self) -> Budget {
         let half = self.0 / 2;
         self.0 -= half;

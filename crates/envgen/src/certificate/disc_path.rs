@@ -1,14 +1,14 @@
-//! Whether solid parts keep places apart for a disc: exact, and at a cost that does not depend on
-//! the disc's radius.
+//! An exact test whether solid parts separate places for a disc, at a cost that does not depend on the disc's
+//! radius.
 //!
-//! A disc's middle cannot be nearer to a solid part than the radius. So every convex piece of the
-//! parts, grown by the radius, is forbidden ground, and pieces less than two radii apart make one
-//! barrier. Barriers keep two points apart if and only if one of them goes around one of the
-//! points and not around the other: some closed walk over pieces that overlap then crosses a line
-//! between the points more often to the one side than to the other. (By Alexander's duality; the
-//! pieces are convex, and so are their overlaps, so that every loop in their union can be drawn as
-//! such a walk.) A union-find that keeps, for every piece, the number of crossings on the walk to
-//! it from its set's root finds such a walk as soon as it is given the last pair of it: nearly
+//! A disc's centre cannot be nearer to a solid part than the radius. So every convex piece of the parts, enlarged
+//! by the radius, is forbidden ground, and pieces less than two radii apart form one barrier. Barriers separate two
+//! points if and only if one of them goes around one of the points and not around the other: some closed walk over
+//! overlapping pieces then crosses a line between the points more often to the one side than to the other. (By
+//! Alexander's duality; the pieces are convex, and so are their overlaps, so that every loop in their union can be
+//! drawn as such a walk.) A union-find that stores, for every piece, the number of crossings on the walk to it from
+//! its set's root finds such a walk as soon as it receives the walk's last pair. This takes time nearly linear in
+//! the number of pairs.
 //! linear in the number of pairs.
 
 use glam::DVec2;
@@ -19,10 +19,11 @@ use super::piece_index::Pieces;
 use super::windings::{Crossings, Windings};
 use crate::geometry::Rect;
 
-/// Lengths that differ by this share of the largest coordinate may differ by rounding alone.
+/// Lengths that differ by this share of the largest coordinate may differ only by rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// The most pairs whose overlap rounding leaves open: a world with more consists of such pairs.
+/// The greatest number of pairs whose overlap is uncertain because of rounding. Worlds with more such pairs mostly
+/// consist of them.
 const MAX_UNSURE: usize = 1 << 20;
 
 /// The result of a comparison up to rounding.
@@ -33,32 +34,32 @@ pub(super) enum Nearer {
     No,
 }
 
-/// Forbidden ground for the middle of a disc: pieces grown by the disc's radius, and all that lies
-/// outside of a rectangle.
+/// Forbidden ground for the centre of a disc: pieces enlarged by the disc's radius, and everything outside a
+/// rectangle.
 pub(super) struct Barriers<'a> {
     pieces: &'a Pieces,
     area: Rect,
     radius: f64,
-    /// Lengths that differ by less may be equal.
+    /// Lengths that differ by less than this may be equal.
     rounding: f64,
 }
 
-/// Ground that two barriers share: a walk from the middle of the one to that of the other.
+/// Ground that two barriers share, as a walk from the middle of the one to the middle of the other.
 struct Joint {
     between: [usize; 2],
-    /// It is straight between these points.
+    /// The points of the walk, which is straight between them.
     walk: [DVec2; 3],
     is_sure: bool,
 }
 
 impl<'a> Barriers<'a> {
-    /// The pieces must be indexed as far as the radius.
+    /// Creates barriers from pieces, which must be indexed at least as far as the radius.
     pub(super) fn new(pieces: &'a Pieces, area: Rect, radius: f64) -> Self {
         let largest = area.min.abs().max(area.max.abs()).max_element();
         Barriers { pieces, area, radius, rounding: ROUNDING * (1.0 + largest + radius) }
     }
 
-    /// Lengths that differ by less may be equal.
+    /// Returns the difference below which lengths may be equal.
     pub(super) fn rounding(&self) -> f64 {
         self.rounding
     }
@@ -74,7 +75,7 @@ impl<'a> Barriers<'a> {
         }
     }
 
-    /// Whether both ends of every line are in one piece of the free space. All ends must be free and
+    /// Whether both ends of every line are in the same connected part of the free space. All ends must be free and
     /// inside the area.
     pub(super) fn join(&self, lines: &[[DVec2; 2]], budget: &mut Budget) -> Result<bool, Doubt> {
         let mut crossings = Crossings::new(lines);
@@ -103,8 +104,8 @@ impl<'a> Barriers<'a> {
         Ok(true)
     }
 
-    /// Whether one piece of the free space reaches from the area's west side to its east side: if
-    /// and only if no barrier reaches from its south side to its north side inside.
+    /// Whether a connected part of the free space extends from the area's west side to its east side. This is the
+    /// case if and only if no barrier extends from its south side to its north side inside the area.
     pub(super) fn crosses(&self, budget: &mut Budget) -> Result<bool, Doubt> {
         let count = self.pieces.list().len();
         let (south, north) = (count, count + 1);
@@ -157,10 +158,9 @@ impl<'a> Barriers<'a> {
         Ok(crosses)
     }
 
-    /// Whether ground that two barriers share, as near as `nearer` at a place, has a part between
-    /// the lines of the area's west and east side. `both` is the greater of the distances to the
-    /// two, a convex function, so that the ground meets the line next to the place if the least
-    /// value there is within the radius.
+    /// Whether ground that two barriers share, as near as `nearer` at a place, has a part between the lines of the
+    /// area's west and east side. `both` is the greater of the distances to the two, which is a convex function, so
+    /// that the ground meets the line next to the place if its least value there is within the radius.
     fn inside(
         &self,
         at: DVec2,
@@ -183,7 +183,7 @@ impl<'a> Barriers<'a> {
         Ok(self.nearer(both(DVec2::new(x, 0.5 * (low + high))), self.radius))
     }
 
-    /// Calls `visit` for all shared ground until it says that this is enough.
+    /// Calls `visit` for all shared ground until it returns that this is enough.
     fn joints(
         &self,
         budget: &mut Budget,
@@ -218,8 +218,8 @@ impl<'a> Barriers<'a> {
         })
     }
 
-    /// Calls `visit` for all pairs of pieces that overlap when grown, or may do so, with a place
-    /// that both cover, until it says that this is enough.
+    /// Calls `visit` for all pairs of pieces that overlap when enlarged, or may do so, with a place that both
+    /// cover, until it returns that this is enough.
     fn near_pairs(
         &self,
         budget: &mut Budget,
@@ -252,7 +252,7 @@ impl<'a> Barriers<'a> {
     }
 }
 
-/// Steps of a search that leave two thirds of a line each, until rounding is reached.
+/// Number of search steps, each of which keeps two thirds of a line, until rounding is reached.
 const THIRDS: u64 = 120;
 
 #[cfg(test)]

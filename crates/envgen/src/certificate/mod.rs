@@ -1,10 +1,10 @@
 //! The promises of a world, and an independent check of them.
 //!
-//! A generator writes its promises into [`World::certificate`]. [`verify`] checks them on the world
-//! alone: on the shapes of its solid parts, whatever the generator's own plan says. What a disc can
-//! reach is decided exactly, at a cost that depends on the world's parts and not on the disc's
-//! radius. Time and memory have limits: [`MAX_PIECES`], [`MAX_COMPARISONS`],
-//! [`MAX_COMPARISONS_PER_PIECE`], [`MAX_BUBBLES`], [`MAX_SQUARES`] and [`MAX_BEND_POINTS`].
+//! A generator writes its promises into [`World::certificate`]. [`verify`] checks them using only the world: the
+//! shapes of its solid parts, whatever the generator's plan was. The region that a disc can reach is determined
+//! exactly, at a cost that depends on the world's parts and not on the disc's radius. Time and memory have limits:
+//! [`MAX_PIECES`], [`MAX_COMPARISONS`], [`MAX_COMPARISONS_PER_PIECE`], [`MAX_BUBBLES`], [`MAX_SQUARES`] and
+//! [`MAX_BEND_POINTS`].
 
 mod bubbles;
 mod budget;
@@ -38,19 +38,19 @@ use piece_index::Pieces;
 use crate::geometry::{Rect, wrap_angle};
 use crate::world::{RoadStrip, World};
 
-/// The result of checking a claim. It serialises to its name alone, such as `holds`.
+/// The result of checking a claim. It serialises to its name only, such as `holds`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It holds.
+    /// The claim holds.
     Holds,
-    /// It does not hold.
+    /// The claim does not hold.
     Broken,
-    /// It could not be decided, for this reason.
+    /// The claim could not be decided, for this reason.
     Undecided(Doubt),
 }
 
 impl Verdict {
-    /// `holds`, `broken` or `undecided`.
+    /// Returns the name: `holds`, `broken` or `undecided`.
     pub fn name(self) -> &'static str {
         match self {
             Verdict::Holds => "holds",
@@ -59,7 +59,7 @@ impl Verdict {
         }
     }
 
-    /// Why it is undecided.
+    /// Returns the reason why the claim is undecided; `None` if it is decided.
     pub fn doubt(self) -> Option<Doubt> {
         match self {
             Verdict::Undecided(doubt) => Some(doubt),
@@ -93,7 +93,7 @@ pub fn verify(world: &World) -> Vec<(Claim, Verdict)> {
     verify_claims(world, &world.certificate)
 }
 
-/// Checks claims of a world, in order, whether its certificate holds them or not.
+/// Checks claims about a world, in order, whether or not its certificate contains them.
 pub fn verify_claims(world: &World, claims: &[Claim]) -> Vec<(Claim, Verdict)> {
     claims.iter().map(|claim| (*claim, verdict(world, claim))).collect()
 }
@@ -137,7 +137,7 @@ fn holds(world: &World, claim: &Claim) -> Result<bool, Doubt> {
     }
 }
 
-/// Whether the calibration predicts the same again.
+/// Whether the calibration gives the same prediction again.
 fn predicts(world: &World, claimed: &Prediction) -> Result<bool, Doubt> {
     let calibration = Calibration::indoor();
     if claimed.calibration != calibration.version {
@@ -147,8 +147,8 @@ fn predicts(world: &World, claimed: &Prediction) -> Result<bool, Doubt> {
     Ok(calibration.predict(&vector) == *claimed)
 }
 
-/// Whether a disc fits at the start and at the goal, and can move from the one to the other with
-/// its middle inside the world's bounds.
+/// Whether a disc fits at the start and at the goal, and can move from one to the other with its centre inside the
+/// world's bounds.
 fn start_reaches_goal(world: &World, radius: f64, budget: &mut Budget) -> Result<bool, Doubt> {
     let (Some(start), Some(goal)) = (world.start, world.goal) else { return Ok(false) };
     let ends = [start.position, goal.position];
@@ -186,8 +186,8 @@ fn start_reaches_goal(world: &World, radius: f64, budget: &mut Budget) -> Result
     barriers.join(&[ends], budget)
 }
 
-/// Whether all trees keep a distance, on a torus across its sides too: in rows as high as the
-/// distance, each in order of x.
+/// Whether all trees keep a distance from each other, on a torus also across its sides. The trees are compared in
+/// rows as high as the distance, each sorted by x.
 fn trees_keep(world: &World, distance: f64, torus: Option<DVec2>) -> bool {
     if distance <= 0.0 {
         return true;
@@ -223,9 +223,9 @@ fn trees_keep(world: &World, distance: f64, torus: Option<DVec2>) -> bool {
     })
 }
 
-/// Whether no bend of a road is tighter than a radius: by the curvatures that it states, and by the
-/// places that it leads through. Where the curvature stays within 1 / radius and the heading
-/// changes by an angle under pi, the chord is at least 2 radius sin(angle / 2).
+/// Whether no bend of a road is tighter than a radius, by the curvatures that the road states and by the points of
+/// its centreline. If the curvature does not exceed 1 / radius and the heading changes by an angle under pi, the
+/// chord is at least 2 radius sin(angle / 2).
 fn bends_keep(strip: &RoadStrip, radius: f64, points: &mut u64) -> Result<bool, Doubt> {
     let path = strip.path();
     let stated = strip.centreline.iter().map(|point| point.curvature.abs());

@@ -1,4 +1,4 @@
-//! The polygons among the solid parts of a world, of which the pieces are only the sides.
+//! The polygons among the solid parts of a world. The pieces of a polygon are only its sides.
 
 use std::borrow::Cow;
 
@@ -8,10 +8,10 @@ use super::budget::{Budget, Doubt};
 use crate::geometry::{Rect, Shape};
 use crate::grid::{Convex, GridIndex, index_area};
 
-/// A polygon is listed in at most this many cells, on average.
+/// The most cells in which a polygon is listed, on average.
 const MAX_LISTINGS: usize = 24;
 
-/// Polygons, and a grid whose cells list those that they may share a point with.
+/// Polygons, with a grid whose cells list the polygons with which they may have a point in common.
 pub(super) struct Outlines<'a> {
     list: Vec<Cow<'a, Shape>>,
     index: GridIndex,

@@ -1,11 +1,10 @@
-//! The convex pieces that solid parts consist of, and how near two of them are.
+//! The convex pieces of which solid parts consist, and distances between them.
 
 use glam::DVec2;
 
 use crate::geometry::{Rect, Shape, box_axis, edges};
 
-/// A rectangle, a line or a point (its `half_size` says which), and all that is within `radius`
-/// of it.
+/// A rectangle, a line or a point (depending on `half_size`), and everything within `radius` of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
     pub(super) center: DVec2,
@@ -15,17 +14,17 @@ pub(super) struct Piece {
     pub(super) radius: f64,
 }
 
-/// The nearest two points of the cores of two pieces.
+/// The two points of the cores of two pieces that are nearest to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Gap {
     pub(super) points: [DVec2; 2],
-    /// Distance between the pieces, not positive where they overlap.
+    /// Distance between the pieces; not positive if they overlap.
     pub(super) distance: f64,
 }
 
 impl Piece {
-    /// The pieces of a shape. A polygon becomes its sides, which separate inside from outside as well
-    /// as the whole polygon does.
+    /// Calls `visit` with the pieces of a shape. A polygon becomes its sides, which separate inside from outside as
+    /// well as the whole polygon does.
     pub(super) fn of(shape: &Shape, mut visit: impl FnMut(Piece)) {
         match shape {
             Shape::Segment { a, b } => visit(Piece::line(*a, *b)),
@@ -68,7 +67,7 @@ impl Piece {
         self.center + self.axis * local.x + self.axis.perp() * local.y
     }
 
-    /// The corners of the core grown by `margin`, counter-clockwise.
+    /// Returns the corners of the core enlarged by `margin`, counter-clockwise.
     pub(super) fn corners(&self, margin: f64) -> [DVec2; 4] {
         let half = self.half_size + margin;
         [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -82,27 +81,27 @@ impl Piece {
         Rect::new(self.center - half, self.center + half).grown(self.radius)
     }
 
-    /// The point of the piece that lies farthest in a direction of length 1.
+    /// Returns the point of the piece that is farthest in the direction of a unit vector.
     pub(super) fn farthest(&self, direction: DVec2) -> DVec2 {
         let local = DVec2::new(direction.dot(self.axis), self.axis.perp_dot(direction));
         self.to_world(self.half_size * local.signum()) + direction * self.radius
     }
 
-    /// The point of the core that is nearest to a point.
+    /// Returns the point of the core that is nearest to a point.
     fn nearest(&self, p: DVec2) -> DVec2 {
         let local = self.into_local(p);
         let inside = local.clamp(-self.half_size, self.half_size);
         if local == inside { p } else { self.to_world(inside) }
     }
 
-    /// Distance from a point, negative inside a disc and 0 inside another piece.
+    /// Returns the distance from a point, which is negative inside a disc and 0 inside another piece.
     pub(super) fn distance(&self, p: DVec2) -> f64 {
         let outside = (self.into_local(p).abs() - self.half_size).max(DVec2::ZERO);
         outside.length() - self.radius
     }
 
-    /// Whether a line along a side of one of two pieces keeps them more than `reach` apart: a quick look
-    /// before [`gap`](Self::gap).
+    /// Whether a line along a side of one of two pieces keeps them more than `reach` apart: a fast test before
+    /// [`gap`](Self::gap).
     pub(super) fn is_parted(&self, other: &Piece, reach: f64) -> bool {
         let reach = reach + self.radius + other.radius;
         let beside = |a: &Piece, b: &Piece| {
@@ -117,7 +116,7 @@ impl Piece {
         beside(self, other) || beside(other, self)
     }
 
-    /// How near two pieces are; `None` when their distance is more than `reach`.
+    /// Returns the distance between two pieces; `None` if it is more than `reach`.
     pub(super) fn gap(&self, other: &Piece, reach: f64) -> Option<Gap> {
         let gap = |a: DVec2, b: DVec2| {
             let distance = a.distance(b) - self.radius - other.radius;
@@ -145,7 +144,7 @@ impl Piece {
         (nearest.distance <= reach).then_some(nearest)
     }
 
-    /// The corners of the core: four, two or one.
+    /// Returns the corners of the core: four, two or one.
     fn core_corners(&self) -> impl Iterator<Item = DVec2> + use<> {
         let count = match (self.half_size.x > 0.0, self.half_size.y > 0.0) {
             (true, true) => 4,
@@ -157,7 +156,7 @@ impl Piece {
         self.corners(0.0).into_iter().skip(skip).take(count)
     }
 
-    /// A point of the core's sides inside the other's core.
+    /// Returns a point of the core's sides that lies inside the other's core.
     fn crossing(&self, other: &Piece) -> Option<DVec2> {
         let corners = self.corners(0.0);
         edges(&corners).find_map(|(a, b)| {

@@ -1,4 +1,4 @@
-//! The pieces of a world's solid parts, and which of them are near each other.
+//! An index of the pieces of a world's solid parts, and queries for those near each other.
 
 use std::borrow::Borrow;
 
@@ -9,25 +9,25 @@ use super::piece::{Gap, Piece};
 use crate::geometry::{Rect, Shape};
 use crate::grid::{Convex, GridFrame, GridIndex, index_area};
 
-/// A piece is listed in at most this many cells, on average over all pieces.
+/// The most cells in which a piece is listed, on average over all pieces.
 const MAX_LISTINGS: usize = 8;
 
-/// Cost of the quick test of two pieces that are not both round, and of the full comparison of two that
-/// it does not separate.
+/// Cost of the fast test of two pieces that are not both round, and cost of the full comparison of two that it does
+/// not separate.
 const LOOK_COST: u64 = 3;
 const GAP_COST: u64 = 32;
 
-/// Pieces, and a grid whose cells list those within reach.
+/// Pieces, with a grid whose cells list those within reach.
 pub(super) struct Pieces {
     list: Vec<Piece>,
-    /// The reach asked for, and the reach of the cells.
+    /// The requested reach, and the reach of the cells.
     wanted: f64,
     reach: f64,
     index: GridIndex,
 }
 
 impl Pieces {
-    /// Indexes the pieces of shapes by what is within `reach` of them.
+    /// Indexes the pieces of shapes for queries within `reach` of them.
     pub(super) fn new(
         shapes: impl Iterator<Item = impl Borrow<Shape>>,
         reach: f64,
@@ -58,7 +58,7 @@ impl Pieces {
         &self.list
     }
 
-    /// Distance from a point to the nearest piece; infinite beyond the reach.
+    /// Returns the distance from a point to the nearest piece; infinite beyond the reach.
     pub(super) fn clearance(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
         let near = self.index.at(p);
         budget.spend(near.len() as u64)?;
@@ -71,7 +71,7 @@ impl Pieces {
         Ok(if least <= self.wanted { least } else { f64::INFINITY })
     }
 
-    /// The pieces within reach of a rectangle, and some more.
+    /// Returns the pieces within reach of a rectangle, and some more.
     pub(super) fn near(&self, around: Rect, budget: &mut Budget) -> Result<Vec<Piece>, Doubt> {
         if self.wanted > self.reach {
             budget.spend(self.list.len() as u64)?;
@@ -93,8 +93,8 @@ impl Pieces {
         Ok(numbers.into_iter().map(|i| self.list[i as usize]).collect())
     }
 
-    /// Calls `visit` for every pair of pieces at most `distance` apart, which is twice the reach or
-    /// less, until `visit` returns true.
+    /// Calls `visit` for every pair of pieces at most `distance` apart, which must be at most twice the reach,
+    /// until `visit` returns true.
     pub(super) fn pairs(
         &self,
         distance: f64,
@@ -119,7 +119,7 @@ impl Pieces {
         Ok(())
     }
 
-    /// The pairs of a piece with those before it that a cell lists and that were not seen yet;
+    /// Visits the pairs of a piece with those before it that a cell lists and that were not visited yet; returns
     /// whether this is enough.
     fn pairs_in(
         &self,
@@ -155,7 +155,7 @@ impl Pieces {
     }
 }
 
-/// The cells that come within `reach` of a piece, and perhaps a few more.
+/// Visits the cells that lie within `reach` of a piece, and perhaps a few more.
 fn touched_runs(
     piece: &Piece,
     reach: f64,

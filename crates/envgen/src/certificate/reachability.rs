@@ -1,4 +1,4 @@
-//! Whether every room, hallway and open area can be reached.
+//! Tests whether every room, hallway and open area can be reached.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -15,19 +15,18 @@ use crate::geometry::{Rect, Shape};
 use crate::grid::{GridFrame, index_area};
 use crate::world::World;
 
-/// A place on a floor counts where a disc has this much clearance to spare on every side, in metres.
+/// The clearance in metres that a disc must have to spare on every side, so that a place on a floor counts.
 /// Narrower places, such as the gap between two chairs, are not part of a room.
 pub const PLACE_MARGIN: f64 = 0.0625;
 
-/// Places whose spare clearance differs by less than this, in metres, count as equal.
+/// The greatest difference in metres between spare clearances that count as equal.
 const ALIKE: f64 = 1e-4;
 
-/// Whether a disc can move from the start to every place on the floors of the world's rooms,
-/// hallways and open areas where it has [`PLACE_MARGIN`] to spare, and into every room. It does not
-/// drive on surfaces of speed 0.
+/// Whether a disc can move from the start to every place on the floors of the world's rooms, hallways and open
+/// areas where it has [`PLACE_MARGIN`] to spare, and into every room. It does not drive on surfaces of speed 0.
 ///
-/// Squares of free space on one floor after the other show all places; [`Barriers`] decide whether those of
-/// one floor, and of floors beside each other, are joined.
+/// All places are found by dividing the free space of one floor after the other into squares. [`Barriers`] decide
+/// whether the places of one floor, and of neighbouring floors, are connected.
 pub(super) fn every_place_reachable(
     world: &World,
     radius: f64,
@@ -48,7 +47,7 @@ pub(super) fn every_place_reachable(
     ground.barriers().join(&places.lines, budget)
 }
 
-/// Floors in such an order that most are near the one before: in rows, to the east and to the west in turn.
+/// Orders floors so that most are near the one before: in rows, alternately to the east and to the west.
 fn along(mut floors: Vec<(&Shape, bool)>) -> Vec<(&Shape, bool)> {
     let middle = |floor: &Shape| floor.bounds().center();
     let Some(around) = Rect::around(floors.iter().map(|(floor, _)| middle(floor))) else {
@@ -65,16 +64,16 @@ fn along(mut floors: Vec<(&Shape, bool)>) -> Vec<(&Shape, bool)> {
 /// The places that a disc cannot reach from a world's start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Unreached {
-    /// Squares, which touch but do not overlap, of floor where the disc's middle could be with [`PLACE_MARGIN`] to
-    /// spare; in worlds without floors, of all free ground.
+    /// Squares of floor, which touch but do not overlap, where the disc's centre could be with [`PLACE_MARGIN`] to
+    /// spare. In worlds without floors, they cover all free ground.
     pub squares: Vec<Rect>,
-    /// The indices of the rooms of which it reaches no place.
+    /// The indices of the rooms in which it reaches no place.
     pub rooms: Vec<u32>,
 }
 
-/// Which places a disc cannot reach from the start: what breaks [`Claim::EveryPlaceReachable`](crate::world::Claim),
-/// place by place. `None` where the world has no start, or the disc does not fit there. The cost is at most a few
-/// times that of verifying the claim while few places are out of reach.
+/// Finds the places that a disc cannot reach from the start, which are those that break
+/// [`Claim::EveryPlaceReachable`](crate::world::Claim). Returns `None` if the world has no start, or if the disc
+/// does not fit there. If few places are out of reach, the cost is at most a few times that of verifying the claim.
 ///
 /// ```
 /// use envgen::certificate::unreached;
@@ -91,7 +90,7 @@ pub struct Unreached {
 /// ```
 ///
 /// # Errors
-/// When it cannot be decided.
+/// When it cannot be decided which places are out of reach.
 pub fn unreached(world: &World, radius: f64) -> Result<Option<Unreached>, Doubt> {
     let budget = &mut Budget::new(MAX_COMPARISONS);
     let Some(ground) = StartGround::new(world, radius, budget)? else { return Ok(None) };
@@ -165,7 +164,7 @@ struct StartGround<'a> {
 }
 
 impl<'a> StartGround<'a> {
-    /// `None` where there is no start, or the disc does not fit there.
+    /// Returns `None` if there is no start, or if the disc does not fit there.
     fn new(world: &'a World, radius: f64, budget: &mut Budget) -> Result<Option<Self>, Doubt> {
         let Some(start) = world.start.map(|start| start.position) else { return Ok(None) };
         let area = world.bounds.union(Rect::new(start, start));
@@ -205,7 +204,7 @@ fn halls(world: &World) -> impl Iterator<Item = &Shape> {
     halls.map(|surface| &surface.shape)
 }
 
-/// Where a disc can be.
+/// The space in which a disc can be.
 struct Space<'a> {
     pieces: &'a Pieces,
     outlines: &'a Outlines<'a>,
@@ -214,7 +213,7 @@ struct Space<'a> {
 }
 
 impl Space<'_> {
-    /// The free space in a rectangle and [`PLACE_MARGIN`] around it, where only `pieces` are near.
+    /// Returns the free space in a rectangle and [`PLACE_MARGIN`] around it, if only `pieces` are near.
     fn squares(
         &self,
         around: Rect,
@@ -226,8 +225,8 @@ impl Space<'_> {
         Squares::new(pieces, around, self.radius, PLACE_MARGIN, budget)
     }
 
-    /// Distance to what blocks the disc's middle, as far as the pieces are indexed; the outside of the
-    /// area counts as a piece one radius beyond its sides.
+    /// Returns the distance to the nearest obstruction for the disc's centre, up to the reach of the index. The
+    /// outside of the area counts as a piece one radius beyond its sides.
     fn clearance(&self, p: DVec2, budget: &mut Budget) -> Result<f64, Doubt> {
         if self.outlines.contain(p, budget)? {
             return Ok(0.0);
@@ -236,16 +235,16 @@ impl Space<'_> {
         Ok(self.pieces.clearance(p, budget)?.min(sides + self.radius))
     }
 
-    /// Some point of a room where the disc just fits.
+    /// Returns some point of a room at which the disc just fits.
     fn find_any(&self, room: &Shape, budget: &mut Budget) -> Result<Option<DVec2>, Doubt> {
         let bounds = room.bounds();
         let (middle, half) = (bounds.center(), 0.5 * bounds.size().max_element());
         self.find(room, middle, half, self.radius + ALIKE, budget)
     }
 
-    /// A point of a floor inside a square with a clearance of `least`, searched in the order of falling
-    /// clearance; `None` where there is no such point. One that exceeds `least` by less than [`ALIKE`] may
-    /// be missed.
+    /// Returns a point of a floor inside a square with a clearance of `least`, searched in the order of falling
+    /// clearance; `None` if no such point is found. A point that exceeds `least` by less than [`ALIKE`] may be
+    /// missed.
     fn find(
         &self,
         floor: &Shape,
@@ -285,9 +284,9 @@ impl Space<'_> {
 /// The places found, in the order of the floors.
 struct Places<'a> {
     space: &'a Space<'a>,
-    /// The place found last.
+    /// The place that was found last.
     last: DVec2,
-    /// From every place to the next, the start first.
+    /// Lines from every place to the next, beginning with the start.
     lines: Vec<[DVec2; 2]>,
 }
 
@@ -296,7 +295,7 @@ impl<'a> Places<'a> {
         Places { space, last: start, lines: Vec::new() }
     }
 
-    /// Adds a place of a floor in every region of its squares that has one; whether there is any.
+    /// Adds a place of a floor in every region of its squares that has one; returns whether there is any.
     fn find(&mut self, floor: &Shape, budget: &mut Budget) -> Result<bool, Doubt> {
         let Space { pieces, area, radius, .. } = *self.space;
         let around = floor.bounds();
@@ -325,7 +324,7 @@ impl<'a> Places<'a> {
         Ok(self.lines.len() > before)
     }
 
-    /// Adds some point of a room where the disc just fits; false where there is no such point.
+    /// Adds some point of a room at which the disc just fits; returns false if there are no such points.
     fn find_any(&mut self, room: &Shape, budget: &mut Budget) -> Result<bool, Doubt> {
         let place = self.space.find_any(room, budget)?;
         place.into_iter().for_each(|place| self.add(place));

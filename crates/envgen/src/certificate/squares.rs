@@ -1,4 +1,4 @@
-//! The free space of a disc in squares: large ones where there is room, small ones at its borders.
+//! The free space of a disc as squares: large ones in open space, small ones at its borders.
 
 use glam::DVec2;
 
@@ -6,32 +6,31 @@ use super::budget::{Budget, Doubt, MAX_SQUARES};
 use super::piece::Piece;
 use crate::geometry::{Rect, Shape};
 
-/// The cost of a square besides the comparisons with its pieces.
+/// The cost of a square, in addition to the comparisons with its pieces.
 const SQUARE_COST: u64 = 4;
 
-/// Half the diagonal of a square, for half a side of 1.
+/// Half the diagonal of a square of which half a side is 1.
 const DIAGONAL: f64 = std::f64::consts::SQRT_2;
 
-/// Not all of the square is free, and the disc has no `margin` to spare anywhere in it.
+/// Not all of the square is free, and the disc does not have `margin` to spare anywhere in it.
 const NARROW: u32 = u32::MAX;
-/// All of the square is free, and the disc has no `margin` to spare anywhere in it.
+/// All of the square is free, and the disc does not have `margin` to spare anywhere in it.
 const FREE: u32 = u32::MAX - 1;
 /// All of the square is free, and the disc may have `margin` to spare.
 const WIDE: u32 = u32::MAX - 2;
 
-/// A tree of squares over a rectangle. Every point where a disc has some margin to spare to all
-/// pieces and to what lies outside lies in a square that is free as a whole.
+/// A tree of squares over a rectangle. Every point where a disc has some margin to spare, to all pieces and to the
+/// outside, lies in a square that is entirely free.
 ///
-/// A point's distance to the nearest piece changes by no more than the point moves, so that the
-/// distance at a square's middle bounds it in the whole square. Squares are divided until they are
-/// free as a whole, or can hold no point of that margin: at the latest when their diagonal is as
-/// long as the margin.
+/// A point's distance to the nearest piece changes by no more than the point moves, so that the distance at a
+/// square's centre bounds it in the whole square. Squares are divided until they are entirely free or cannot
+/// contain a point of that margin, at the latest when their diagonal is as long as the margin.
 pub(super) struct Squares {
     middle: DVec2,
     half: f64,
-    /// The first of four children, or what kind of leaf it is.
+    /// The first of four children, or the kind of leaf.
     nodes: Vec<u32>,
-    /// Of free leaves: the one that names their region.
+    /// For free leaves, the leaf that names their region.
     regions: Vec<u32>,
 }
 
@@ -40,9 +39,9 @@ pub(super) struct Squares {
 pub(super) struct Square {
     pub(super) node: usize,
     pub(super) middle: DVec2,
-    /// Half a side.
+    /// Half the length of a side.
     pub(super) half: f64,
-    /// Whether the disc may have the margin to spare somewhere in it.
+    /// Whether the disc may have the margin to spare somewhere in the square.
     pub(super) is_wide: bool,
 }
 
@@ -81,7 +80,7 @@ impl Squares {
         Ok(squares)
     }
 
-    /// The free square around a point.
+    /// Returns the free square that contains a point.
     pub(super) fn at(&self, p: DVec2) -> Option<Square> {
         let (mut node, mut middle, mut half) = (0, self.middle, self.half);
         while self.is_divided(node) {
@@ -94,12 +93,12 @@ impl Squares {
         self.leaf(node, middle, half)
     }
 
-    /// The name of the region that a free leaf belongs to: squares that share sides.
+    /// Returns the name of the region to which a free leaf belongs. The squares of a region share sides.
     pub(super) fn region(&self, square: Square) -> usize {
         self.regions[square.node] as usize
     }
 
-    /// Calls `visit` for all free leaves that may share a point with a shape.
+    /// Calls `visit` for all free leaves that may have a point in common with a shape.
     pub(super) fn over(
         &self,
         shape: &Shape,
@@ -147,7 +146,7 @@ impl Squares {
         }
     }
 
-    /// Joins the free leaves along the side that `b` shares with `a`, to its left or below it.
+    /// Joins the free leaves along the side that `b` shares with `a`, which is to the left of it or below it.
     fn join_sides(&mut self, a: usize, b: usize, beside: bool) {
         let children = |squares: &Self, node: usize, corners: [usize; 2]| {
             let divided = squares.is_divided(node);
@@ -184,7 +183,7 @@ impl Squares {
 }
 
 impl Builder<'_> {
-    /// Divides a square as far as it has to be. `near[from..]` can be nearest to points of it.
+    /// Divides a square as far as necessary. The pieces `near[from..]` can be nearest to points of it.
     fn divide(
         &mut self,
         node: usize,
@@ -233,7 +232,7 @@ impl Builder<'_> {
     }
 }
 
-/// The middle of a child with half a side of `half`: south-west, south-east, north-west,
+/// Returns the centre of a child with half a side of `half`, in the order south-west, south-east, north-west,
 /// north-east.
 fn child_middle(middle: DVec2, half: f64, corner: usize) -> DVec2 {
     let east = if corner % 2 == 1 { half } else { -half };

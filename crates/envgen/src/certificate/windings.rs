@@ -1,4 +1,4 @@
-//! How often walks over barriers cross lines, and whether all walks around agree.
+//! Counts of how often walks over barriers cross lines, and whether all walks agree.
 
 use glam::DVec2;
 
@@ -10,10 +10,10 @@ use crate::seed::Seed;
 /// Lines, and an index of them.
 pub(super) struct Crossings {
     lines: Vec<[DVec2; 2]>,
-    /// What a crossing of each line counts: one number keeps the sums of all lines.
+    /// The weights of the lines: a single number holds the sums over all lines.
     weights: Vec<u64>,
     index: GridIndex,
-    /// The last stretch of a walk that each line was compared with.
+    /// The last section of a walk with which each line was compared.
     compared: Vec<u64>,
     stretches: u64,
 }
@@ -41,8 +41,8 @@ impl Crossings {
         Crossings { compared: vec![0; lines.len()], stretches: 0, weights, index, lines }
     }
 
-    /// The sum over all lines of the weight times the crossings of a walk, those from left to right
-    /// less those from right to left.
+    /// Returns the sum over all lines of the weight times the crossings of a walk, which are those from left to
+    /// right minus those from right to left.
     pub(super) fn of(&mut self, walk: &[DVec2], budget: &mut Budget) -> Result<u64, Doubt> {
         let mut sum = 0_u64;
         let mut visited = 0;
@@ -72,8 +72,8 @@ impl Crossings {
     }
 }
 
-/// 1 where a stretch crosses a line from its left to its right, -1 from right to left, 0 where it does
-/// not cross. A point on the line counts as left of it, for every stretch that it is part of.
+/// Returns 1 if a section crosses a line from its left to its right, -1 if from right to left, and 0 if it does not
+/// cross. A point on the line counts as left of it, for every section of which it is part.
 fn crossing([p, q]: [DVec2; 2], [a, b]: [DVec2; 2]) -> i32 {
     let along = q - p;
     let side = |x: DVec2| along.perp_dot(x - p);
@@ -90,11 +90,11 @@ fn crossing([p, q]: [DVec2; 2], [a, b]: [DVec2; 2]) -> i32 {
     }
 }
 
-/// Sets of elements that walks join (Tarjan's union-find with path halving), and what the walk to
-/// each of them from its set's root crosses.
+/// Sets of elements that walks join (Tarjan's union-find with path halving), with the crossings of the walk to each
+/// element from the root of its set.
 pub(super) struct Windings {
     parents: Vec<u32>,
-    /// What the walk from the parent crosses.
+    /// The crossings of the walk from the parent.
     sums: Vec<u64>,
 }
 
@@ -103,7 +103,7 @@ impl Windings {
         Windings { parents: (0..count as u32).collect(), sums: vec![0; count] }
     }
 
-    /// The root of a set, and what the walk from it crosses.
+    /// Returns the root of a set, and the crossings of the walk from it.
     fn root(&mut self, i: usize) -> (usize, u64) {
         let (mut i, mut sum) = (i, 0_u64);
         while self.parents[i] as usize != i {
@@ -118,8 +118,8 @@ impl Windings {
         (i, sum)
     }
 
-    /// Joins two elements by a walk from the first to the second. Returns whether it crosses what every
-    /// other walk between them crosses.
+    /// Joins two elements by a walk from the first to the second. Returns whether its crossings are those of every
+    /// other walk between them.
     pub(super) fn join(&mut self, [from, to]: [usize; 2], crossed: u64) -> bool {
         let ((a, before), (b, after)) = (self.root(from), self.root(to));
         let before = before.wrapping_add(crossed);
