@@ -1,4 +1,4 @@
-//! Polygons into convex pieces.
+//! Division of polygons into convex pieces.
 
 use std::collections::BTreeMap;
 
@@ -6,12 +6,12 @@ use glam::DVec2;
 
 use super::triangulate;
 
-/// Divides a simple polygon, counter-clockwise, into convex pieces without new corners: its triangles, joined
-/// over every side that they share where the whole stays convex. At most four times as many pieces as there
-/// could be at least (S. Hertel and K. Mehlhorn, "Fast triangulation of simple polygons", 1983,
+/// Divides a simple, counter-clockwise polygon into convex pieces without new corners: its triangles, joined over
+/// every side that they share if the result is convex. There are at most four times as many pieces as the least
+/// possible number (S. Hertel and K. Mehlhorn, "Fast triangulation of simple polygons", 1983,
 /// `doi:10.1007/3-540-12689-9_105`). A piece is a list of corners, counter-clockwise.
 ///
-/// `None` where [`triangulate`] has no triangles.
+/// Returns `None` if [`triangulate`] does.
 pub fn convex_pieces(outline: &[DVec2]) -> Option<Vec<Vec<u32>>> {
     let mut pieces: Vec<Vec<u32>> = triangulate(outline)?.into_iter().map(Vec::from).collect();
     let sides = |piece: &[u32]| -> Vec<[u32; 2]> {

@@ -1,4 +1,4 @@
-//! Flat shapes, drawn out to solids.
+//! Extrusion of flat shapes to solids.
 
 use std::collections::BTreeSet;
 
@@ -9,16 +9,16 @@ use crate::geometry::{Shape, regular_polygon, signed_area};
 use crate::outline::outline;
 use crate::world::{Extent, RoadMesh, RoadStrip};
 
-/// How far the edges of a mesh of a road stray from the road's at most, in metres.
+/// The greatest deviation, in metres, of the edges of a road's mesh from the edges of the road.
 const ROAD_TOLERANCE: f64 = 0.02;
 
-/// Ends of a road that are this near join, in metres.
+/// The greatest distance, in metres, between ends of a road that join.
 const JOINED: f64 = 1e-6;
 
 /// Least distance in metres between cuts across a road.
 const SHORTEST: f64 = 0.01;
 
-/// The surface of a road as its mesh has it. `None` for a road without length.
+/// Returns the surface of a road, as used by its mesh; `None` for a road without length.
 pub(super) fn road_surface(strip: &RoadStrip) -> Option<RoadMesh> {
     let path = strip.path();
     let mut distances = path.stations(0.5 * strip.width, ROAD_TOLERANCE);
@@ -32,11 +32,11 @@ pub(super) fn road_surface(strip: &RoadStrip) -> Option<RoadMesh> {
 }
 
 impl Mesh {
-    /// A shape, drawn out from a bottom to a top. A disc has flat sides with the normals of a cylinder, at
-    /// most [`ROUNDNESS`](crate::outline::ROUNDNESS) inside it; a line is [`LINE_THICKNESS`](crate::pieces::LINE_THICKNESS)
-    /// thick.
+    /// Extrudes a shape from a bottom to a top. A disc gets flat sides with the normals of a cylinder, at most
+    /// [`ROUNDNESS`](crate::outline::ROUNDNESS) inside it; a line is
+    /// [`LINE_THICKNESS`](crate::pieces::LINE_THICKNESS) thick.
     ///
-    /// `None` for polygons that are not simple and counter-clockwise.
+    /// Returns `None` for polygons that are not simple and counter-clockwise.
     pub fn extruded(shape: &Shape, extent: Extent) -> Option<Self> {
         let (pivot, outline) = outline(shape);
         let is_convex = !matches!(shape, Shape::Polygon { .. });
@@ -52,8 +52,8 @@ impl Mesh {
         Some(mesh)
     }
 
-    /// A disc, drawn out from a bottom to a top, with so many flat sides that have the normals of a
-    /// cylinder. Fewer than 3 sides are raised to 3.
+    /// Extrudes a disc from a bottom to a top, with `sides` flat sides that have the normals of a cylinder. Numbers
+    /// of sides below 3 are raised to 3.
     pub fn cylinder(center: DVec2, radius: f64, extent: Extent, sides: u32) -> Self {
         let sides = sides.max(3);
         let outline = regular_polygon(radius, sides as usize);
@@ -64,7 +64,7 @@ impl Mesh {
         mesh
     }
 
-    /// A road. `None` where its edge crosses itself in a bend.
+    /// Creates the mesh of a road; `None` if its edge crosses itself in a bend.
     pub(super) fn of_road(strip: &RoadStrip, extent: Extent) -> Option<Self> {
         let flat = road_surface(strip)?;
         let around = crate::geometry::Rect::around(flat.vertices.iter().copied())?;
@@ -94,7 +94,7 @@ impl Mesh {
         Some(mesh)
     }
 
-    /// The top, and the bottom, which one sees from below.
+    /// Adds the top, and the bottom, which is seen from below.
     fn add_caps(&mut self, corners: &[DVec2], cover: &[[u32; 3]], extent: Extent) {
         for (height, up) in [(extent.top(), 1.0), (extent.bottom(), -1.0)] {
             let first = self.positions.len() as u32;
@@ -111,7 +111,7 @@ impl Mesh {
         }
     }
 
-    /// The sides over edges that have the inside to their left.
+    /// Adds the sides over edges that have the inside to their left.
     fn add_sides(
         &mut self,
         corners: &[DVec2],

@@ -1,8 +1,8 @@
 //! Worlds as triangles: closed, oriented meshes with normals and texture coordinates.
 //!
-//! Frame: x right, y up on the plan, z up; all lengths in metres. Every mesh is a closed surface: each
-//! edge joins exactly two triangles, which run along it in opposite directions, and no triangle is
-//! degenerate. Seen from outside, triangles run counter-clockwise.
+//! In the frame of meshes, x points right and y up on the plan, and z points up; all lengths are in metres. Every
+//! mesh is a closed surface: each edge joins exactly two triangles, which run along it in opposite directions, and
+//! no triangle is degenerate. Seen from outside, triangles run counter-clockwise.
 
 mod convex;
 mod extrude;
@@ -19,7 +19,7 @@ pub use self::triangle_mesh::Mesh;
 pub use self::triangulate::triangulate;
 use crate::pieces::{Form, Piece};
 
-/// Why there is no mesh.
+/// The error for a piece that has no mesh.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error(
     "{piece} has no mesh: its outline crosses or touches itself, or its numbers are too large or too small"
@@ -30,16 +30,16 @@ pub struct MeshError {
 }
 
 impl Mesh {
-    /// The mesh of a piece of a world.
+    /// Creates the mesh of a piece of a world.
     ///
     /// # Errors
-    /// For outlines that are not simple, and roads whose edge crosses itself in a bend.
+    /// For outlines that are not simple, and for roads whose edge crosses itself in a bend.
     pub fn of(piece: &Piece<'_>) -> Result<Self, MeshError> {
         Mesh::of_form(&piece.form).ok_or_else(|| MeshError { piece: piece.to_string() })
     }
 
-    /// The mesh of a form; `None` for outlines that are not simple, and roads whose edge crosses itself in a
-    /// bend.
+    /// Creates the mesh of a form; `None` for outlines that are not simple, and for roads whose edge crosses itself
+    /// in a bend.
     pub fn of_form(form: &Form<'_>) -> Option<Self> {
         match form {
             Form::Prism { shape, extent } => Mesh::extruded(shape, *extent),

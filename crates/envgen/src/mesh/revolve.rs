@@ -8,21 +8,21 @@ use super::Mesh;
 use crate::geometry::unit_vector;
 use crate::world::Crown;
 
-/// Corners around the axis.
+/// Number of corners around the axis.
 pub(super) const AROUND: u32 = 12;
 
-/// Bands from the bottom to the top.
+/// Number of bands from the bottom to the top.
 pub(super) const BANDS: u32 = 6;
 
 impl Mesh {
-    /// An ellipsoid about a vertical axis, with smooth normals.
+    /// Creates an ellipsoid with a vertical axis and smooth normals.
     pub fn ellipsoid(center: DVec2, crown: Crown) -> Self {
         Mesh::coarse_ellipsoid(center, crown, AROUND, BANDS)
     }
 
-    /// An ellipsoid about a vertical axis with so many corners `around` the axis, at least 3, and
-    /// so many `bands` from the bottom to the top, at least 2; smaller numbers are raised. For what
-    /// is seen from far away.
+    /// Creates an ellipsoid with a vertical axis, with `around` corners around the axis (at least 3) and `bands`
+    /// bands from the bottom to the top (at least 2); smaller numbers are raised. It is intended for objects that
+    /// are seen from far away.
     pub fn coarse_ellipsoid(center: DVec2, crown: Crown, around: u32, bands: u32) -> Self {
         let (around, bands) = (around.max(3), bands.max(2));
         let mut mesh = Mesh::empty(center);

@@ -1,4 +1,4 @@
-//! A mesh: triangles with normals and texture coordinates.
+//! Meshes: triangles with normals and texture coordinates.
 
 use glam::{DVec2, DVec3};
 
@@ -19,17 +19,17 @@ use glam::{DVec2, DVec3};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// What the positions are relative to, on the plan.
+    /// The origin of the positions, on the plan.
     pub pivot: DVec2,
-    /// The corners of the triangles. Corners of different normals or texture coordinates are
-    /// listed several times, with the same position to the last bit.
+    /// The corners of the triangles. Corners with several normals or texture coordinates are listed several times,
+    /// with the same position to the last bit.
     pub positions: Vec<DVec3>,
-    /// The unit normal at each corner, out of the surface.
+    /// The unit normal at each corner, which points out of the surface.
     pub normals: Vec<DVec3>,
-    /// Texture coordinates of each corner, in metres: on sides the distance along the outline and the
-    /// height, on tops and bottoms x and y.
+    /// The texture coordinates of each corner, in metres: on sides the distance along the outline and the height,
+    /// on tops and bottoms x and y.
     pub uvs: Vec<DVec2>,
-    /// Three corners per triangle, counter-clockwise from outside.
+    /// Three corners per triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -51,7 +51,7 @@ impl Mesh {
         self.positions.len() as u32 - 1
     }
 
-    /// The volume in cubic metres.
+    /// Returns the volume in cubic metres.
     pub fn volume(&self) -> f64 {
         let corner = |i: u32| self.positions[i as usize];
         let six = |&[a, b, c]: &[u32; 3]| corner(a).dot(corner(b).cross(corner(c)));

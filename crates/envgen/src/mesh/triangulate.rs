@@ -1,18 +1,18 @@
-//! Polygons into triangles.
+//! Division of polygons into triangles.
 //!
-//! By `spade`, which keeps every corner and refuses outlines that touch themselves, since solids are to be closed. The
-//! reader of GeoJSON and the colliders of `bevy_envgen` use `earcut`, which leaves corners out and fills whatever it
-//! gets: rings may touch each other there, and outlines in single precision touch themselves.
+//! It uses `spade`, which keeps every corner and refuses outlines that touch themselves, because solids must be
+//! closed. The reader of GeoJSON and the colliders of `bevy_envgen` use `earcut`, which leaves corners out and
+//! fills whatever it receives: rings may touch each other there, and outlines in single precision touch themselves.
 
 use glam::DVec2;
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation, mitigate_underflow};
 
-/// Divides a simple polygon, counter-clockwise, into the triangles of its constrained Delaunay
-/// triangulation. All its corners are theirs, those between two sides of one line included: the triangles
-/// of an outline and what joins its sides meet edge to edge. Costs about n log n for n corners.
+/// Divides a simple, counter-clockwise polygon into the triangles of its constrained Delaunay triangulation. The
+/// triangles use all its corners, including those between two sides of one line, so that the triangles of an
+/// outline and the faces that join its sides meet edge to edge. It takes about n log n steps for n corners.
 ///
-/// `None` where a side touches or crosses another, or where a coordinate is not finite or above 2^201.
+/// Returns `None` if a side touches or crosses another one, or if a coordinate is not finite or above 2^201.
 pub fn triangulate(outline: &[DVec2]) -> Option<Vec<[u32; 3]>> {
     let n = outline.len();
     if n < 3 {

@@ -1,4 +1,4 @@
-//! Rays in three dimensions.
+//! Ray casting in three dimensions.
 
 mod solid;
 
@@ -11,31 +11,33 @@ use crate::geometry::Rect;
 use crate::grid::{Convex, GridFrame, GridIndex, index_area};
 use crate::pieces::Form;
 
-/// About this many cells of the index per solid.
+/// Target number of cells of the index per solid.
 const CELLS_A_SOLID: f64 = 2.0;
 
-/// A solid is listed in at most this many cells, on average over all solids.
+/// The most cells in which a solid is listed, on average over all solids.
 const LISTINGS_A_SOLID: usize = 24;
 
-/// A ray remembers this many solids, so as not to meet what is listed in many cells again and again.
+/// The number of solids that a ray remembers, so that it does not meet solids that are listed in many cells again
+/// and again.
 const REMEMBERED: usize = 16;
 
 /// The first body that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyHit {
-    /// Distance in lengths of the ray's direction: in metres for a unit vector.
+    /// Distance in lengths of the ray's direction: in metres if that is a unit vector.
     pub distance: f64,
-    /// The body's place in the list that was indexed.
+    /// The body's index in the list that was indexed.
     pub body: usize,
 }
 
-/// An index of bodies for casting rays in three dimensions, such as the [`pieces`](crate::pieces::pieces) of
-/// a world.
+/// An index of bodies for casting rays in three dimensions, such as the [`pieces`](crate::pieces::pieces) of a
+/// world.
 ///
-/// Bodies are as [`Mesh::of`](super::Mesh::of) has them, so that distances agree with pictures of the meshes
-/// to the rounding of these: discs are the polygons of [`outline`](crate::outline::outline), crowns of trees
-/// have flat sides, roads have straight edges between their stations. Triangles are not involved: rays meet
-/// outlines, heights and planes. Only surfaces that face the ray are met, as cameras see them: a body that
+/// Bodies have the same form as in [`Mesh::of`](super::Mesh::of), so that distances agree with pictures of the
+/// meshes up to the rounding of these: discs are the polygons of [`outline`](crate::outline::outline), crowns of
+/// trees have flat sides, and roads have straight edges between their stations. No triangles are used: rays are
+/// intersected with outlines, heights and planes. Like a camera, a ray meets only surfaces that face it; it does
+/// not meet a body in which it starts.
 /// the ray starts in is not.
 ///
 /// ```
@@ -58,10 +60,10 @@ pub struct BodyHit {
 /// ```
 #[derive(Clone, Debug)]
 pub struct BodyRaycaster {
-    /// Each with the place of its body.
+    /// The solids, each with the index of its body.
     solids: Vec<(usize, Solid)>,
     index: GridIndex,
-    /// The lowest and the highest point of all.
+    /// The lowest and the highest point of all solids.
     heights: [f64; 2],
 }
 
@@ -87,9 +89,9 @@ impl BodyRaycaster {
         BodyRaycaster { solids, index, heights }
     }
 
-    /// The first body that a ray meets within `range` lengths of its direction, which need not be a unit
-    /// vector; `None` when it meets none, and for a direction of length 0, a negative range or NaN. Of bodies at
-    /// the same distance, the first in the list is met.
+    /// Returns the first body that a ray meets within `range` lengths of its direction, which need not be a unit
+    /// vector. Returns `None` if it meets no body, and for a direction of length 0, a negative range or NaN. Of
+    /// bodies at the same distance, it returns the first in the list.
     pub fn cast(&self, from: DVec3, direction: DVec3, range: f64) -> Option<BodyHit> {
         let (plan, along) = (from.truncate(), direction.truncate());
         let frame = self.index.frame;
@@ -136,15 +138,15 @@ impl BodyRaycaster {
     }
 }
 
-/// A ray on its path through the cells.
+/// A ray that is followed through the cells.
 struct Search<'a> {
     solids: &'a [(usize, Solid)],
     from: DVec3,
     direction: DVec3,
-    /// The least distance so far, at first the range.
+    /// The least distance found so far; initially the range.
     best: f64,
     body: Option<usize>,
-    /// What was met or missed last.
+    /// The solids that were met or missed last.
     met: VecDeque<u32>,
 }
 
@@ -168,7 +170,7 @@ impl Search<'_> {
     }
 }
 
-/// Where a ray enters and leaves a box; enters after it leaves where it misses.
+/// Returns where a ray enters and leaves a box. If it misses the box, it enters after it leaves.
 fn slab(from: DVec3, direction: DVec3, min: DVec3, max: DVec3) -> (f64, f64) {
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
     for axis in 0..3 {

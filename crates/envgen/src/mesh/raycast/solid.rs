@@ -1,4 +1,4 @@
-//! Bodies as rays meet them.
+//! The solids with which rays are intersected.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,15 +14,15 @@ use crate::world::{Crown, Extent};
 /// A body, or a part of one.
 #[derive(Clone, Debug)]
 pub(super) enum Solid {
-    /// A polygon, counter-clockwise, from a bottom to a top.
+    /// A counter-clockwise polygon, extruded from a bottom to a top.
     Prism { corners: Vec<DVec2>, extent: Extent },
-    /// The points that are behind all planes; a plane is an outward normal, and the distance of the plane from
-    /// the origin in lengths of it.
+    /// The points that are behind all planes. A plane is an outward normal, and the distance of the plane from the
+    /// origin in lengths of that normal.
     Convex { bounds: Rect, extent: Extent, planes: Vec<(DVec3, f64)> },
 }
 
 impl Solid {
-    /// The solids of a body: of a road one for each triangle.
+    /// Returns the solids of a body; for a road, one for each triangle.
     pub(super) fn of(form: &Form<'_>) -> Vec<Solid> {
         match form {
             Form::Prism { shape, extent } => {
@@ -43,7 +43,7 @@ impl Solid {
         }
     }
 
-    /// The flat sides of a crown, from its profile in the middle between two corners.
+    /// Returns the flat sides of a crown, from its profile in the middle between two corners.
     fn crown(center: DVec2, crown: Crown) -> Solid {
         let (half, extent) = (0.5 * crown.extent.height(), crown.extent);
         let middle = 0.5 * (extent.bottom() + extent.top());
@@ -79,13 +79,14 @@ impl Solid {
         }
     }
 
-    /// Its bottom and top.
+    /// Returns the bottom and top.
     pub(super) fn heights(&self) -> [f64; 2] {
         let (Solid::Prism { extent, .. } | Solid::Convex { extent, .. }) = self;
         [extent.bottom(), extent.top()]
     }
 
-    /// Distance along a ray to a surface that faces it, in lengths of its direction; `None` where it misses.
+    /// Returns the distance along a ray to a surface that faces it, in lengths of its direction; `None` if the ray
+    /// misses.
     pub(super) fn distance(&self, from: DVec3, direction: DVec3) -> Option<f64> {
         match self {
             Solid::Prism { corners, extent } => to_prism(from, direction, corners, *extent),
@@ -134,7 +135,7 @@ fn to_convex(from: DVec3, direction: DVec3, planes: &[(DVec3, f64)]) -> Option<f
     (enter >= 0.0 && enter <= leave).then_some(enter)
 }
 
-/// The horizontal rectangle of some points.
+/// Returns the bounds of points in the plane.
 fn around(points: impl IntoIterator<Item = DVec2>) -> Rect {
     Rect::around(points).unwrap_or(Rect::new(DVec2::ZERO, DVec2::ZERO))
 }
