@@ -1,28 +1,27 @@
-//! The equations that make a map follow a difficulty d, a real number from 0 to 10.
+//! The equations by which a map adapts to a difficulty d, a real number from 0 to 10.
 //!
-//! Source: O. Zwennes, Adaptive Indoor Map Generator for USARSim, 2011, section 4. The equations
-//! have no numbers there; they are named after the adaptation that they belong to.
+//! Source: O. Zwennes, Adaptive Indoor Map Generator for USARSim, 2011, section 4. The equations have no numbers
+//! there; here they are named after the adaptation to which they belong.
 
 /// Least distance between parallel hallways, in cells.
 pub const LEAST_SPACING: u32 = 3;
 
-/// Standard deviation of the distance between hallways before the clamp, as a share of the map's
-/// size.
+/// Standard deviation of the distance between hallways before the clamp, as a share of the map's size.
 pub const SPACING_DEVIATION: f64 = 0.1;
 
-/// Expected distance between hallways before the clamp, in cells (first adaptation): `size` is the
+/// Returns the expected distance between hallways before the clamp, in cells (first adaptation). `size` is the
 /// map's width for vertical hallways and its height for horizontal ones.
 pub fn spacing_mean(difficulty: f64, size: u32) -> f64 {
     (0.06 * difficulty + 0.2) * f64::from(size)
 }
 
-/// Distance between hallways before the clamp, for a standard normal number (first adaptation).
+/// Returns the distance between hallways before the clamp, in cells, for a standard normal number (first adaptation).
 pub fn spacing_raw(difficulty: f64, size: u32, normal: f64) -> f64 {
     spacing_mean(difficulty, size) + normal * SPACING_DEVIATION * f64::from(size)
 }
 
-/// The distance between hallways in whole cells: rounded, and clamped to 3..=`size` - 1. The paper
-/// clamps to `size`, where no second hallway would fit, and promises at least two.
+/// Returns the distance between hallways in whole cells: rounded, and clamped to 3..=`size` - 1. The paper clamps
+/// to `size`, at which no second hallway would fit, although it promises at least two.
 ///
 /// # Panics
 /// When `raw` is NaN.
@@ -33,17 +32,17 @@ pub fn spacing(raw: f64, size: u32) -> u32 {
     raw.round().clamp(f64::from(LEAST_SPACING), most) as u32
 }
 
-/// Probability that hallway cycles are prevented (fifth adaptation).
+/// Returns the probability that hallway cycles are prevented (fifth adaptation).
 pub fn cycle_prevention_probability(difficulty: f64) -> f64 {
     1.0 - difficulty / 10.0
 }
 
-/// The inverse squared error of a room's difficulty (fourth adaptation).
+/// Returns the inverse squared error of a room's difficulty (fourth adaptation).
 pub fn inverse_squared_error(difficulty: f64, room: f64) -> f64 {
     1.0 / ((difficulty - room) * (difficulty - room) + 1.0)
 }
 
-/// Probability of each room to be drawn, from their difficulties (fourth adaptation).
+/// Returns the probability of each room to be drawn, given their difficulties (fourth adaptation).
 pub fn room_probabilities(difficulty: f64, rooms: &[f64]) -> Vec<f64> {
     let errors: Vec<f64> =
         rooms.iter().map(|&room| inverse_squared_error(difficulty, room)).collect();
@@ -51,7 +50,7 @@ pub fn room_probabilities(difficulty: f64, rooms: &[f64]) -> Vec<f64> {
     errors.into_iter().map(|error| error / total).collect()
 }
 
-/// Probability of a doorway in a side of a room (third adaptation): exactly 1 at difficulty 10.
+/// Returns the probability of a doorway in a side of a room (third adaptation), which is exactly 1 at difficulty 10.
 pub fn doorway_probability(difficulty: f64) -> f64 {
     difficulty / 16.0 + 0.375
 }

@@ -1,4 +1,4 @@
-//! The plan of a floor: hallways, open areas, rooms and the openings between them.
+//! The blueprint of an indoor map: the plan of hallways, open areas, rooms and the openings between them.
 
 use glam::DVec2;
 use serde::ser::SerializeStruct;
@@ -13,7 +13,7 @@ use crate::dials::Prediction;
 use crate::seed::Seed;
 use crate::world::Contents;
 
-/// A plan on a grid, with the spec and seed that it was drawn for.
+/// A floor plan on a grid, with the spec and seed from which it was drawn.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
@@ -35,28 +35,28 @@ pub struct FloorPlan {
     pub(super) openings: Vec<Opening>,
     pub(super) draws: Option<Draws>,
     pub(super) edited: bool,
-    /// The changes by hand since it was generated, in order; empty where it differs otherwise, too.
+    /// The manual changes since it was generated, in order; also empty if it differs in another manner.
     pub(super) edits: Vec<Edit>,
-    /// Set in the profile `calibrated`.
+    /// The choice that the profile `calibrated` made.
     pub(super) choice: Option<Box<Choice>>,
 }
 
-/// How the profile `calibrated` came to a plan.
+/// The request of the profile `calibrated` and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Choice {
     /// The spec with the request.
     pub(super) spec: IndoorSpec,
-    /// Its seed.
+    /// The seed of that spec.
     pub(super) seed: Seed,
-    /// The difficulty that the plan's world is predicted to have.
+    /// The difficulty that is predicted for the plan's world.
     pub(super) prediction: Prediction,
 }
 
-/// The draws of a generated plan.
+/// The random draws of a generated plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draws {
-    /// Distance between vertical and between horizontal hallways before the clamp, in cells; the
-    /// setting where it is set.
+    /// Distance between vertical and between horizontal hallways before the clamp, in cells; the value of the
+    /// setting if it is set.
     pub spacing_raw: [f64; 2],
     /// Distance between vertical and between horizontal hallways, in cells.
     pub spacing: [u32; 2],
@@ -64,73 +64,73 @@ pub struct Draws {
     pub cycles_prevented: bool,
     /// How often each allowed room was the first drawn for a cell.
     pub first_choice: Vec<(String, u64)>,
-    /// Drawn doorways that stayed closed because nothing is behind them.
+    /// Number of drawn doorways that stayed closed because nothing is behind them.
     pub doorways_closed: u64,
-    /// The narrowest passage through each room before and after its contents were moved, in metres;
-    /// empty when they were not moved.
+    /// The narrowest passage through each room before and after its contents were moved, in metres; empty if they
+    /// were not moved.
     pub variations: Vec<[f64; 2]>,
 }
 
 impl FloorPlan {
-    /// The cells.
+    /// Returns the grid of cells.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// The rooms, in the order in which they were placed.
+    /// Returns the rooms, in the order in which they were placed.
     pub fn rooms(&self) -> &[PlacedRoom] {
         &self.rooms
     }
 
-    /// The openings in walls, sorted by position.
+    /// Returns the openings in walls, sorted by position.
     pub fn openings(&self) -> &[Opening] {
         &self.openings
     }
 
-    /// The difficulty that trials are predicted to measure in its world; `None` outside the profile
-    /// `calibrated`, and for a plan that was changed.
+    /// Returns the difficulty that trials are predicted to measure in the plan's world; `None` for profiles other
+    /// than `calibrated`, and for a plan that was changed.
     pub fn prediction(&self) -> Option<&Prediction> {
         self.choice.as_ref().filter(|_| !self.edited).map(|choice| &choice.prediction)
     }
 
-    /// The settings; in the profile `calibrated` those that were drawn.
+    /// Returns the spec. In the profile `calibrated` it has the settings that were drawn.
     pub fn spec(&self) -> &IndoorSpec {
         &self.spec
     }
 
-    /// The seed that it was drawn with, in the profile `calibrated` that of its own draw; `None` when it was
-    /// made without a seed.
+    /// Returns the seed with which the plan was drawn, in the profile `calibrated` that of its own draw; `None` if
+    /// it was made without a seed.
     pub fn seed(&self) -> Option<Seed> {
         self.seed
     }
 
-    /// The draws; `None` when it was not generated.
+    /// Returns the random draws; `None` if the plan was not generated.
     pub fn draws(&self) -> Option<&Draws> {
         self.draws.as_ref()
     }
 
-    /// Whether it was changed after it was generated, or drawn from other laws than the spec's.
+    /// Returns whether the plan was changed after it was generated, or drawn from other distributions than the spec's.
     pub fn is_edited(&self) -> bool {
         self.edited
     }
 
-    /// Middle of a cell in metres: x right, y up, from the lower left corner of the grid.
+    /// Returns the centre of a cell in metres: x right and y up from the lower left corner of the grid.
     pub(super) fn cell_middle(&self, x: u32, y: u32) -> DVec2 {
         self.point(f64::from(x) + 0.5, f64::from(y) + 0.5)
     }
 
-    /// Middle of an opening in metres.
+    /// Returns the middle of an opening in metres.
     pub(super) fn gate_middle(&self, gate: Gate) -> DVec2 {
         let (x, y) = gate.middle();
         self.point(x, y)
     }
 
-    /// A point `x` cells from the left and `y` cells from the top, in metres.
+    /// Returns a point `x` cells from the left and `y` cells from the top, in metres.
     pub(super) fn point(&self, x: f64, y: f64) -> DVec2 {
         DVec2::new(x, f64::from(self.grid.height()) - y) * self.spec.cell_size
     }
 
-    /// The transform from a room's design to the map.
+    /// Returns the transform from a room's design to the map.
     pub(super) fn design_placement(&self, room: usize) -> RoomPlacement {
         let room = &self.rooms[room];
         let corner = self.point(f64::from(room.x), f64::from(room.y + room.size().1));
@@ -138,7 +138,7 @@ impl FloorPlan {
         RoomPlacement { corner, scale, quarters: room.quarters, size: room.room.size() }
     }
 
-    /// The transform from a room's own frame, unturned and in metres of the map, to the map.
+    /// Returns the transform from a room's own frame, unturned and in metres of the map, to the map.
     pub(super) fn metric_placement(&self, room: usize) -> RoomPlacement {
         let frame = self.design_placement(room);
         RoomPlacement { scale: 1.0, size: frame.size * frame.scale, ..frame }
@@ -161,7 +161,7 @@ struct RoomJson<'a> {
 
 #[derive(Serialize)]
 struct OpeningJson {
-    /// Middle in cells from the top left corner, y down.
+    /// Middle of the opening in cells from the top left corner, y down.
     x: f64,
     y: f64,
     wall: Axis,

@@ -1,8 +1,8 @@
-//! The profile `calibrated`: maps of a requested difficulty, as trials measure it.
+//! The profile `calibrated`: maps of a requested difficulty, on the scale that trials measure.
 //!
-//! Levers are drawn many times, settings alone predict what each draw gives, the draws nearest to the request
-//! are generated, and of these the one whose difficulty vector predicts nearest is taken. Nothing is
-//! simulated.
+//! Levers are drawn many times, and the result of each draw is predicted from its settings. The draws nearest to
+//! the request are generated. Of these maps, the one is taken whose difficulty, predicted from its difficulty
+//! vector, is nearest. Nothing is simulated.
 
 use super::blueprint::{Choice, FloorPlan};
 use super::custom_laws::IndoorLaws;
@@ -21,18 +21,17 @@ use crate::seed::Seed;
 /// Number of draws of the levers.
 const DRAWS: u64 = 2048;
 
-/// Number of draws from which it is found what a spec reaches, and the share of them that lies beyond it at either
-/// end.
+/// Number of draws that determine the reach of a spec, and the share of them that is cut off at either end.
 const REACH_DRAWS: u64 = 2048;
 const BEYOND: f64 = 0.002;
 
-/// Number of maps of which the nearest is taken.
+/// Number of maps that are generated, of which the nearest is taken.
 pub(super) const CANDIDATES: usize = 8;
 
-/// How far the nearest draw may be from a request of both dials, on each of them.
+/// The greatest distance of the nearest draw from a request of both dials, on each of them.
 const FARTHEST: f64 = 1.0;
 
-/// The plan that is predicted nearest to the spec's request, or one of the next.
+/// Generates the plan whose prediction is nearest to the spec's request, or one of those that follow it.
 pub(super) fn plan(
     spec: &IndoorSpec,
     seed: Seed,
@@ -44,7 +43,7 @@ pub(super) fn plan(
     Ok(plans.swap_remove(rank))
 }
 
-/// Plans, from the one on whose prediction is nearest to the spec's request; at least one.
+/// Generates plans, beginning with the one whose prediction is nearest to the spec's request; at least one.
 fn plans(
     spec: &IndoorSpec,
     seed: Seed,
@@ -91,18 +90,18 @@ fn plans(
 }
 
 impl IndoorSpec {
-    /// What maps of this size reach, with the settings that are kept: the interval of each dial, as predicted
-    /// from settings, between the .2 % and the 99.8 % quantile of what the levers give, and within the 0 to 10 that can be
-    /// requested.
+    /// Returns the difficulties that maps of this size can reach, with the settings that are kept: the interval of
+    /// each dial, as predicted from settings, between the .2 % and the 99.8 % quantile of the drawn levers, and
+    /// within the 0 to 10 that can be requested.
     pub fn reachable(&self) -> Dials<[f64; 2]> {
         reachable(&Levers::new(self))
     }
 
-    /// The candidates of the profile `calibrated`, from the one on that is predicted nearest to the request.
-    /// Each is what the spec gives with its number as `candidate`.
+    /// Returns the candidates of the profile `calibrated`, beginning with the one whose prediction is nearest to
+    /// the request. The spec with a candidate's number as `candidate` gives that plan.
     ///
     /// # Errors
-    /// As [`Spec::generate`](crate::Spec::generate), and for another profile.
+    /// As [`Spec::generate`](crate::Spec::generate), and when the spec has another profile.
     pub fn candidates(&self, seed: Seed) -> Result<Vec<FloorPlan>, IndoorError> {
         self.check()?;
         if self.profile != Profile::Calibrated {
@@ -112,7 +111,7 @@ impl IndoorSpec {
         plans(self, seed, &IndoorLaws::default(), &mut |_| ())
     }
 
-    /// Keeps a setting at its default in the profile `calibrated`, which draws it otherwise. Does nothing for
+    /// Keeps a setting at its default in the profile `calibrated`, which otherwise draws it. Does nothing for
     /// settings that the profile does not draw, or that have other values.
     pub fn fix(&mut self, name: &str) {
         let drawn = LEVERS.into_iter().find(|lever| *lever == name && *lever != "difficulty");
@@ -142,7 +141,7 @@ fn reachable(levers: &Levers<'_>) -> Dials<[f64; 2]> {
     }
 }
 
-/// The dials that settings lead one to expect.
+/// Returns the expected dials for given settings.
 fn expected(spec: &IndoorSpec) -> Dials<f64> {
     let prediction = Calibration::indoor().predict_terms(&spec.lever_terms());
     prediction.map_or_else(Dials::default, |prediction| values(prediction.dials))
@@ -153,11 +152,11 @@ fn values(dials: Dials<Estimate>) -> Dials<f64> {
 }
 
 impl Request {
-    /// Checks whether each dial alone is within what maps of the spec's size and settings
-    /// [reach](IndoorSpec::reachable).
+    /// Checks whether each dial on its own is within the [reach](IndoorSpec::reachable) of maps of the spec's size
+    /// and settings.
     ///
     /// # Errors
-    /// The first dial that is not, with its interval.
+    /// Names the first dial that is not, with its interval.
     pub fn check(&self, spec: &IndoorSpec, reachable: Dials<[f64; 2]>) -> Result<(), SpecError> {
         for (name, (wanted, [least, most])) in self.0.zip(reachable).named() {
             let Some(wanted) = wanted else { continue };
@@ -173,7 +172,7 @@ impl Request {
         Ok(())
     }
 
-    /// Whether both dials can be reached together.
+    /// Checks whether both dials can be reached together.
     fn check_nearest(&self, distance: f64, nearest: &IndoorSpec) -> Result<(), SpecError> {
         let Dials { mapping: Some(mapping), navigation: Some(navigation), .. } = self.0 else {
             return Ok(());

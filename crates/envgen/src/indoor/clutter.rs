@@ -1,4 +1,4 @@
-//! Crates at random places of the floors, which leave every place reachable.
+//! Clutter: crates at random places of the floors, which leave every place reachable.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -13,10 +13,10 @@ use crate::geometry::{Pose, Shape};
 use crate::seed::{Seed, Stream};
 use crate::world::{Obstacle, ObstacleKind, World};
 
-/// Least and greatest side of a crate in metres.
+/// The least and the greatest side of a crate in metres.
 const SIDES: [f64; 2] = [0.3, 0.9];
 
-/// Places that are tried for a crate.
+/// The number of places that are tried for a crate.
 pub(super) const ATTEMPTS: u64 = 20;
 
 /// A crate to be placed.
@@ -27,16 +27,16 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// Radius of the circle around it, in metres.
+    /// Returns the radius of the circle around the crate, in metres.
     fn radius(&self) -> f64 {
         self.half_size.length()
     }
 }
 
-/// Adds the spec's clutter to a world; does nothing where the spec has none.
+/// Adds the spec's clutter to a world; does nothing if the spec has no clutter.
 ///
-/// Robots pass between a crate and everything else, on every side: around a convex solid with free space
-/// all around, no path that was there is lost, so that what was connected stays so.
+/// Robots can pass between a crate and everything else, on every side. Around a convex solid that has free space
+/// all around it, no path is lost, so that places that were connected remain connected.
 pub(super) fn add(spec: &IndoorSpec, seed: Seed, world: &mut World) {
     if spec.clutter == 0.0 {
         return;
@@ -95,7 +95,7 @@ fn side_of(draws: &mut Stream) -> f64 {
     SIDES[0] + (SIDES[1] - SIDES[0]) * draws.unit()
 }
 
-/// The world's solids, and the surfaces that robots cannot enter as further solids.
+/// Returns the world with the surfaces that robots cannot enter as further solids.
 fn with_barriers(world: &World) -> World {
     let mut solid = World::new(world.provenance.clone(), world.bounds);
     let shapes = world.solids().map(|solid| solid.shape.into_owned());

@@ -1,4 +1,4 @@
-//! Indoor maps drawn from laws of the caller.
+//! Indoor maps drawn from distributions of the caller.
 
 #[cfg(feature = "rand")]
 use rand::distr::Distribution;
@@ -14,15 +14,14 @@ use crate::distribution::law;
 use crate::distribution::{Law, standard_normal};
 use crate::seed::Stream;
 
-/// The greatest move that a law may give, in metres: the size of the largest room.
+/// The greatest move that a distribution may give, in metres: the size of the largest room.
 const MAX_MOVE: f64 = MAX_ROOM_SIZE as f64 * DESIGN_UNIT;
 
-/// The greatest angle that a law may give, in radians: as the greatest heading in a room, beyond which
+/// The greatest angle that a distribution may give, in radians. It is the greatest heading in a room, beyond which
 /// the fraction of a turn is lost in rounding.
 const MAX_TURN: f64 = 1e3;
 
-/// What replaces the laws of an [`IndoorSpec`](super::IndoorSpec) in
-/// `IndoorSpec::generate_with_laws`.
+/// Distributions that replace those of an [`IndoorSpec`](super::IndoorSpec) in `IndoorSpec::generate_with_laws`.
 ///
 /// ```
 /// use envgen::Seed;
@@ -53,41 +52,42 @@ pub struct IndoorLaws<'a> {
 
 #[cfg(feature = "rand")]
 impl<'a> IndoorLaws<'a> {
-    /// None: the spec's own laws.
+    /// Creates a set without distributions, which keeps those of the spec.
     pub fn new() -> Self {
         IndoorLaws::default()
     }
 
-    /// The distance between parallel hallways in cells, from 3 to one less than the map's width or
-    /// height, then rounded to whole cells. Drawn for the vertical hallways first, then for the
-    /// horizontal ones; unused where the spec sets `spacing_h` or `spacing_v`. The difficulty no longer
-    /// decides it.
+    /// Sets the distribution of the distance between parallel hallways in cells, which must lie from 3 to one less
+    /// than the map's width or height and is then rounded to whole cells. It is drawn for the vertical hallways
+    /// first, then for the horizontal ones, and is unused if the spec sets `spacing_h` or `spacing_v`. The distance
+    /// then no longer depends on the difficulty.
     pub fn spacing(self, spacing: impl Distribution<f64> + Send + Sync + 'a) -> Self {
         IndoorLaws { spacing: Some(law(spacing)), ..self }
     }
 
-    /// How far one change moves an object of a room along each of its two axes, in metres of the room's
-    /// design, from -192 to 192. Objects are moved where the spec sets a `clearance`; a move that
-    /// leaves the room, or brings the room no nearer to it, is taken back. The generator's own law is
+    /// Sets the distribution of how far one change moves an object of a room along each of its two axes, in metres
+    /// of the room's design, from -192 to 192. Objects are moved if the spec sets a `clearance`; a move that leaves
+    /// the room, or brings the room no nearer to the clearance, is undone. The generator's own distribution is
     /// uniform from -0.6 to 0.6 m.
     pub fn moves(self, moves: impl Distribution<f64> + Send + Sync + 'a) -> Self {
         IndoorLaws { moves: Some(law(moves)), ..self }
     }
 
-    /// The angle by which one change turns an object of a room, in radians, from -1000 to 1000, counter-
-    /// clockwise. As for [`IndoorLaws::moves`]; the generator's own law is uniform from -1 to 1.
+    /// Sets the distribution of the angle by which one change turns an object of a room, in radians,
+    /// counter-clockwise, from -1000 to 1000. It is used as in [`IndoorLaws::moves`]; the generator's own
+    /// distribution is uniform from -1 to 1.
     pub fn turns(self, turns: impl Distribution<f64> + Send + Sync + 'a) -> Self {
         IndoorLaws { turns: Some(law(turns)), ..self }
     }
 }
 
 impl IndoorLaws<'_> {
-    /// Whether there is any.
+    /// Whether there is any distribution.
     pub(super) fn any(&self) -> bool {
         self.spacing.is_some() || self.moves.is_some() || self.turns.is_some()
     }
 
-    /// The distance between hallways in cells, before it is rounded.
+    /// Draws the distance between hallways in cells, before it is rounded.
     pub(super) fn hallway_spacing(
         &self,
         difficulty: f64,
@@ -105,7 +105,7 @@ impl IndoorLaws<'_> {
         }
     }
 
-    /// [`vary`] by these laws.
+    /// Calls [`vary`] with these distributions.
     pub(super) fn vary(
         &self,
         room: &SharedRoom,
@@ -127,7 +127,7 @@ impl IndoorLaws<'_> {
     }
 }
 
-/// A number from -`most` to `most`; any other is the error.
+/// Checks that a number lies from -`most` to `most`; otherwise the number is the error.
 fn within(value: f64, most: f64) -> Result<f64, f64> {
     if value.abs() <= most { Ok(value) } else { Err(value) }
 }

@@ -1,12 +1,12 @@
-//! The dimensions that decide where a robot can go.
+//! The dimensions that determine where a robot can go.
 
-/// Greatest distance between two samples, in metres.
+/// The greatest distance between two samples, in metres.
 pub const STEP: f64 = 0.05;
 
-/// The dimensions that decide where a robot can go, all in metres.
+/// The dimensions that determine where a robot can go, all in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dimensions {
-    /// Side of a cell.
+    /// Side of a cell of the grid.
     pub unit: f64,
     /// Thickness of the walls.
     pub wall: f64,

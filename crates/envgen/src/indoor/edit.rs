@@ -1,4 +1,4 @@
-//! Changing a plan by hand, with undo and redo.
+//! Manual changes of a plan, with undo and redo.
 
 mod objects;
 mod target;
@@ -17,22 +17,22 @@ use super::placed_room::PlacedRoom;
 use crate::history::History;
 use crate::world::Contents;
 
-/// Why an edit is refused.
+/// The reasons why an edit is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EditError {
-    /// There is no such room.
+    /// The room does not exist.
     #[error("there is no room {room}; the plan has {count}")]
     NoRoom {
-        /// The requested index.
+        /// The requested index of the room.
         room: usize,
         /// Number of rooms.
         count: usize,
     },
-    /// It would leave the grid.
+    /// A room or hallway would leave the grid.
     #[error("{what} at column {x}, row {y} would leave the grid of {columns} by {rows} cells")]
     Outside {
-        /// The room or hallway.
+        /// The room or hallway that would leave the grid.
         what: String,
         /// Column.
         x: u32,
@@ -43,16 +43,16 @@ pub enum EditError {
         /// Rows of the grid.
         rows: u32,
     },
-    /// It would overlap something.
+    /// A room or hallway would overlap something.
     #[error("{what} would overlap {with} at column {x}, row {y}")]
     Overlap {
-        /// The room or hallway.
+        /// The room or hallway that would be placed.
         what: String,
-        /// A hallway or a room's name.
+        /// What it would overlap: a hallway, or the name of a room.
         with: String,
-        /// Column of the first such cell.
+        /// Column of the first overlapping cell.
         x: u32,
-        /// Row of the first such cell.
+        /// Row of the first overlapping cell.
         y: u32,
     },
     /// The cell is not a hallway.
@@ -63,31 +63,31 @@ pub enum EditError {
         /// Row.
         y: u32,
     },
-    /// There is no wall of a room, or not one single space behind the whole width of the doorway.
+    /// There is no wall of a room at the position, or no single space behind the whole width of the doorway.
     #[error("a doorway at {0} would not lead from a room to one other space")]
     NoWall(Gate),
     /// The doorway is open already.
     #[error("the doorway at {0} is open already")]
     AlreadyOpen(Gate),
-    /// There is no opening to close.
+    /// There is no open doorway to close.
     #[error("there is no doorway at {0}")]
     NotOpen(Gate),
-    /// The room has no such object.
+    /// The room has no object with this index.
     #[error("the room `{room}` has no object {object}; it has {count}")]
     NoObject {
         /// The room's name.
         room: String,
-        /// The requested index.
+        /// The requested index of the object.
         object: usize,
         /// Number of objects in the room.
         count: usize,
     },
-    /// The room's contents would not be allowed.
+    /// The room's contents would be invalid.
     #[error(transparent)]
     Contents(#[from] RoomError),
 }
 
-/// A plan that is being edited. Every edit can be undone and redone; a refused one changes nothing.
+/// A plan that is being edited. Every edit can be undone and redone. A refused edit changes nothing.
 ///
 /// ```
 /// use envgen::indoor::{Edit, IndoorSpec, PlanEditor};
@@ -109,14 +109,14 @@ pub enum EditError {
 pub struct PlanEditor {
     plan: FloorPlan,
     was_edited: bool,
-    /// Whether the plan's edits are all that it differs by from what its spec and seed give.
+    /// Whether the plan's edits are its only difference from the plan that its spec and seed give.
     is_complete: bool,
     history: History<Change>,
-    /// What was undone, the last first.
+    /// The edits that were undone, the last one first.
     undone: Vec<Edit>,
 }
 
-/// One reversible change: the state before and the state after.
+/// A reversible change: the state before and the state after.
 #[derive(Clone, Debug)]
 enum Change {
     Cell {
@@ -124,7 +124,7 @@ enum Change {
         from: Cell,
         to: Cell,
     },
-    /// A room at the end is added or removed where one of the two is absent.
+    /// A change of a room. If one of the two states is absent, a room at the end is added or removed.
     Room {
         index: usize,
         from: Option<Box<PlacedRoom>>,
@@ -135,7 +135,7 @@ enum Change {
 }
 
 impl PlanEditor {
-    /// An editor of a plan.
+    /// Creates an editor of a plan.
     pub fn new(plan: FloorPlan) -> Self {
         let was_edited = plan.edited;
         let is_complete = !plan.edited || !plan.edits.is_empty();
@@ -148,21 +148,20 @@ impl PlanEditor {
         }
     }
 
-    /// The plan as it is now.
+    /// Returns the current plan.
     pub fn plan(&self) -> &FloorPlan {
         &self.plan
     }
 
-    /// The plan as it is now, without the editor.
+    /// Returns the current plan and drops the editor.
     pub fn into_plan(self) -> FloorPlan {
         self.plan
     }
 
-    /// Makes a change; what was undone before can no longer be redone.
+    /// Applies an edit. Edits that were undone before can no longer be redone.
     ///
     /// # Errors
-    /// When the change would overlap something, leave the grid or lead nowhere; nothing changes
-    /// then.
+    /// When the edit would overlap something, leave the grid or lead nowhere. Then nothing changes.
     pub fn apply(&mut self, edit: Edit) -> Result<(), EditError> {
         let mut step = Vec::new();
         if let Err(error) = self.perform(edit.clone(), &mut step) {
@@ -175,7 +174,7 @@ impl PlanEditor {
         Ok(())
     }
 
-    /// Whether an edit is allowed now. Nothing changes.
+    /// Tests whether an edit is allowed now, without changing the plan.
     ///
     /// # Errors
     /// As [`PlanEditor::apply`].
@@ -186,12 +185,12 @@ impl PlanEditor {
         result
     }
 
-    /// Whether there is a change to undo.
+    /// Returns whether there is a change to undo.
     pub fn can_undo(&self) -> bool {
         self.history.can_undo()
     }
 
-    /// Whether there is a change to redo.
+    /// Returns whether there is a change to redo.
     pub fn can_redo(&self) -> bool {
         self.history.can_redo()
     }
@@ -208,7 +207,7 @@ impl PlanEditor {
         is_undone
     }
 
-    /// Makes the last undone change again; returns whether there was one.
+    /// Repeats the edit that was undone last; returns whether there was one.
     pub fn redo(&mut self) -> bool {
         let mut history = std::mem::take(&mut self.history);
         let is_redone = history.redo(|step| step.iter().for_each(|change| self.change(change)));
@@ -220,8 +219,8 @@ impl PlanEditor {
         is_redone
     }
 
-    /// The position of a doorway that is nearest to a point in metres in the frame of the world. Positions where a
-    /// doorway can be come before others. `None` outside of the grid.
+    /// Returns the position of a doorway that is nearest to a point in metres in the frame of the world; `None`
+    /// outside the grid. Positions at which a doorway is possible take precedence.
     pub fn gate_at(&self, p: DVec2) -> Option<Gate> {
         self.plan.cell_at(p)?;
         let cells = self.plan.in_cells(p);
@@ -243,7 +242,7 @@ impl PlanEditor {
         best.map(|(_, gate)| gate)
     }
 
-    /// Says in the plan that it was edited, and how.
+    /// Records an edit in the plan.
     fn note(&mut self, edit: Edit) {
         if self.is_complete {
             self.plan.edits.push(edit);
@@ -251,7 +250,7 @@ impl PlanEditor {
         self.mark();
     }
 
-    /// Says in the plan whether it was edited.
+    /// Records in the plan whether it was edited.
     fn mark(&mut self) {
         self.plan.edited = self.was_edited || self.history.can_undo();
     }
@@ -345,7 +344,7 @@ impl PlanEditor {
         EditError::Overlap { what, with, x, y }
     }
 
-    /// Whether a room's cells lie in the grid and are solid or open area.
+    /// Checks that a room's cells lie in the grid, and that they are solid or open area.
     fn check_free(&self, room: &PlacedRoom) -> Result<(), EditError> {
         let what = format!("the room `{}`", room.room.name);
         let (width, height) = room.size();
@@ -365,7 +364,7 @@ impl PlanEditor {
         Ok(())
     }
 
-    /// Moves or turns a room with its doorways; it becomes the last room.
+    /// Moves or turns a room with its doorways. The room becomes the last one.
     fn replace(
         &mut self,
         room: usize,
@@ -451,7 +450,7 @@ impl PlanEditor {
         }
     }
 
-    /// Whether a doorway at a position lies in a room's wall and is whole.
+    /// Whether a doorway at a position would lie in a room's wall and be whole.
     fn takes_doorway(&self, gate: Gate) -> bool {
         let grid = &self.plan.grid;
         let (lines, along) = match gate.wall {

@@ -1,4 +1,4 @@
-//! Generates plans: as the settings say, or with the settings that the profile `calibrated` draws.
+//! Generates plans from the settings, or from settings that the profile `calibrated` draws.
 
 use super::blueprint::FloorPlan;
 use super::calibrated;
@@ -8,7 +8,8 @@ use super::spec::{IndoorSpec, Profile};
 use super::stages::{Stage, plan_as_set};
 use crate::seed::Seed;
 
-/// The plan of a valid spec; laws of the caller replace its own, and `after` is called after every stage.
+/// Generates the plan of a valid spec. Distributions of the caller replace its own; `after` is called after every
+/// stage.
 fn plan(
     spec: &IndoorSpec,
     seed: Seed,
@@ -22,8 +23,8 @@ fn plan(
 }
 
 impl IndoorSpec {
-    /// Generates a plan as [`Spec::generate`](crate::Spec::generate) does, and calls `after` after every stage: for
-    /// clocks and progress bars, which this crate does not have.
+    /// Generates a plan as [`Spec::generate`](crate::Spec::generate) does, and calls `after` after every stage,
+    /// such as for clocks and progress bars, which this crate does not have.
     ///
     /// # Errors
     /// As [`Spec::generate`](crate::Spec::generate).
@@ -39,12 +40,12 @@ impl IndoorSpec {
 
 #[cfg(feature = "rand")]
 impl IndoorSpec {
-    /// Generates a plan from other laws than the spec's. Without any in `laws` it is the plan of
-    /// [`Spec::generate`](crate::Spec::generate); otherwise the provenance cannot hold them and is therefore marked
-    /// as edited.
+    /// Generates a plan from other distributions than the spec's. If `laws` is empty, the result is the plan of
+    /// [`Spec::generate`](crate::Spec::generate). Otherwise the provenance cannot contain the distributions and is
+    /// therefore marked as edited.
     ///
     /// # Errors
-    /// As [`Spec::generate`](crate::Spec::generate), and when a law gives a number that is not allowed:
+    /// As [`Spec::generate`](crate::Spec::generate), and when a distribution gives a number that is not allowed:
     /// [`IndoorError`].
     pub fn generate_with_laws(
         &self,

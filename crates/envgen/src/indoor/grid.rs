@@ -1,31 +1,31 @@
-//! The grid of a plan: cells, sides of rooms, and openings in the walls between cells.
+//! The grid of a plan: cells, the sides of rooms, and openings in the walls between cells.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What a cell of the grid is.
+/// The content of a cell of the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cell {
-    /// Solid: not part of any room, hallway or open area.
+    /// Solid ground that is not part of any room, hallway or open area.
     #[default]
     Solid,
     /// A piece of a hallway.
     Hallway,
     /// A piece of an open area: floor between the rooms, without walls of its own.
     Open,
-    /// Part of the room of this index.
+    /// Part of the room with this index.
     Room(u32),
 }
 
 impl Cell {
-    /// Whether it is a hallway or an open area; no walls divide these.
+    /// Returns whether the cell is a hallway or an open area. No walls divide these.
     #[inline]
     pub fn is_floor(self) -> bool {
         matches!(self, Cell::Hallway | Cell::Open)
     }
 
-    /// The character of the cell in a blueprint.
+    /// Returns the character that represents the cell in a blueprint.
     pub fn symbol(self) -> char {
         match self {
             Cell::Solid => '#',
@@ -36,7 +36,7 @@ impl Cell {
     }
 }
 
-/// A rectangle of cells: columns from left to right, rows from top to bottom.
+/// A rectangular grid of cells, with columns from left to right and rows from top to bottom.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Grid {
     width: u32,
@@ -45,45 +45,45 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid of solid cells.
+    /// Creates a grid of solid cells.
     pub(super) fn new(width: u32, height: u32) -> Self {
         let cells = vec![Cell::Solid; width as usize * height as usize];
         Grid { width, height, cells }
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// The cell in column `x` and row `y`; `None` outside the grid.
+    /// Returns the cell in column `x` and row `y`; `None` outside the grid.
     #[inline]
     pub fn get(&self, x: u32, y: u32) -> Option<Cell> {
         (x < self.width && y < self.height).then(|| self.cells[self.index(x, y)])
     }
 
-    /// All cells, row by row from the top.
+    /// Returns all cells, row by row from the top.
     pub fn cells(&self) -> &[Cell] {
         &self.cells
     }
 
-    /// Number of cells for which a condition holds.
+    /// Returns the number of cells that satisfy a condition.
     pub fn count(&self, condition: impl Fn(Cell) -> bool) -> usize {
         self.cells.iter().filter(|&&cell| condition(cell)).count()
     }
 
-    /// The index of a cell in [`Grid::cells`]. The cell must lie in the grid.
+    /// Returns the index of a cell in [`Grid::cells`]. The cell must lie in the grid.
     #[inline]
     pub(super) fn index(&self, x: u32, y: u32) -> usize {
         y as usize * self.width as usize + x as usize
     }
 
-    /// The cell of an index in [`Grid::cells`].
+    /// Returns the position of the cell with an index in [`Grid::cells`].
     #[inline]
     pub(super) fn position(&self, index: usize) -> (u32, u32) {
         ((index % self.width as usize) as u32, (index / self.width as usize) as u32)
@@ -122,7 +122,7 @@ impl Grid {
     }
 }
 
-/// A side of a room; north is the top row.
+/// A side of a room; north is at the top row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[expect(missing_docs, reason = "the names say it")]
@@ -134,17 +134,17 @@ pub enum Side {
 }
 
 impl Side {
-    /// All four, in the order in which doorways are drawn.
+    /// All four sides, in the order in which doorways are drawn.
     pub const ALL: [Side; 4] = [Side::North, Side::East, Side::South, Side::West];
 
-    /// The side after `quarters` quarter turns counter-clockwise.
+    /// Returns the side to which this side turns in `quarters` quarter turns counter-clockwise.
     pub fn turned(self, quarters: u8) -> Side {
         Side::ALL[(self as usize + 4 - usize::from(quarters % 4)) % 4]
     }
 
-    /// The side that becomes this one by `quarters` quarter turns counter-clockwise, and the position
-    /// on it that becomes `at`. `length` gives the length of each side before the turn; positions count
-    /// from the left or from the top.
+    /// Returns the side that becomes this one by `quarters` quarter turns counter-clockwise, and the position on it
+    /// that becomes `at`. `length` gives the length of each side before the turn; positions count from the left or
+    /// from the top.
     pub(super) fn before_turn(
         self,
         at: u32,
@@ -169,17 +169,17 @@ impl Side {
 pub struct Sides(u8);
 
 impl Sides {
-    /// Whether a side is in the set.
+    /// Returns whether a side is in the set.
     pub fn contains(self, side: Side) -> bool {
         self.0 & (1 << side as u8) != 0
     }
 
-    /// The sides in the set, in the order of [`Side::ALL`].
+    /// Returns the sides in the set, in the order of [`Side::ALL`].
     pub fn iter(self) -> impl Iterator<Item = Side> {
         Side::ALL.into_iter().filter(move |&side| self.contains(side))
     }
 
-    /// Number of sides in the set.
+    /// Returns the number of sides in the set.
     pub fn count(self) -> u32 {
         self.0.count_ones()
     }
@@ -188,7 +188,7 @@ impl Sides {
         self.0 |= 1 << side as u8;
     }
 
-    /// The set after `quarters` quarter turns counter-clockwise.
+    /// Returns the set after `quarters` quarter turns counter-clockwise.
     pub fn turned(self, quarters: u8) -> Sides {
         let mut turned = Sides::default();
         self.iter().for_each(|side| turned.insert(side.turned(quarters)));
@@ -200,13 +200,14 @@ impl Sides {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Axis {
-    /// From left to right, between two rows.
+    /// A wall from left to right, between two rows.
     Horizontal,
-    /// From top to bottom, between two columns.
+    /// A wall from top to bottom, between two columns.
     Vertical,
 }
 
-/// The position of an opening in a wall: one doorway wide, its middle at a multiple of half a cell.
+/// The position of an opening in a wall. The opening is one doorway wide, and its middle is at a multiple of half a
+/// cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Gate {
     /// The direction of the wall.
@@ -218,7 +219,7 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// The middle in cells from the top left corner, x to the right and y down.
+    /// Returns the middle in cells from the top left corner, x to the right and y down.
     pub fn middle(self) -> (f64, f64) {
         let (line, at) = (f64::from(self.line), 0.5 * f64::from(self.at));
         match self.wall {
@@ -227,9 +228,8 @@ impl Gate {
         }
     }
 
-    /// The cells before (above or left of) and behind the wall that the opening touches: one on
-    /// either side where it lies in a cell's middle, two where it lies between cells. A cell
-    /// outside the grid counts as solid.
+    /// Returns the cells before (above or left of) and behind the wall that the opening touches: one on either side
+    /// if it lies in a cell's middle, two if it lies between cells. A cell outside the grid counts as solid.
     pub(super) fn cells(self, grid: &Grid) -> [[Cell; 2]; 2] {
         let (first, second) = ((self.at - 1) / 2, self.at / 2);
         let cell = |along: u32, line: Option<u32>| {
@@ -247,7 +247,7 @@ impl Gate {
         ]
     }
 
-    /// Position (x, y) of the first cell on either side; `None` outside on the low side.
+    /// Returns the position (x, y) of the first cell on either side; `None` if it is outside on the low side.
     pub(super) fn first_cells(self) -> [Option<(u32, u32)>; 2] {
         let along = (self.at - 1) / 2;
         [self.line.checked_sub(1), Some(self.line)].map(|line| {
@@ -259,7 +259,7 @@ impl Gate {
     }
 }
 
-/// Its middle in columns and rows from the upper left corner of the grid.
+/// Writes the middle in columns and rows from the upper left corner of the grid.
 impl fmt::Display for Gate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (x, y) = self.middle();
@@ -270,33 +270,33 @@ impl fmt::Display for Gate {
 /// An opening in a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Opening {
-    /// Where it is.
+    /// The position of the opening.
     pub gate: Gate,
-    /// Why it exists.
+    /// The reason why it exists.
     pub origin: Origin,
 }
 
-/// Why an opening exists.
+/// The reason why an opening exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Origin {
-    /// Drawn, in the middle of a room's side.
+    /// It was drawn, in the middle of a room's side.
     Drawn,
-    /// Drawn, but moved along the side to a position where it is whole.
+    /// It was drawn, but moved along the side to a position where it is whole.
     Shifted,
-    /// Added so that a place can be reached.
+    /// It was added so that a place can be reached.
     Added,
-    /// Made by hand or read from a file.
+    /// It was made by hand or read from a file.
     Edited,
 }
 
-/// Sorts openings by position and drops duplicates: two rooms may open the same wall.
+/// Sorts openings by position and removes duplicates, since two rooms may open the same wall.
 pub(in crate::indoor) fn sort_openings(openings: &mut Vec<Opening>) {
     openings.sort_unstable();
     openings.dedup_by_key(|opening| opening.gate);
 }
 
-/// Whether one and the same space lies behind the full width of an opening, on either side.
+/// Whether the same space lies behind the full width of an opening, on either side.
 pub(in crate::indoor) fn is_whole(grid: &Grid, gate: Gate) -> bool {
     gate.cells(grid)
         .iter()

@@ -1,9 +1,9 @@
-//! The free space inside a room: where a disc can be, which doorways are connected, and how wide the
-//! narrowest passage is.
+//! The free space inside a room: where a disc can be, which doorways are connected, and how wide the narrowest
+//! passage is.
 //!
-//! The room is sampled at points at most [`STEP`] apart. A point counts as free when the disc has
-//! a clearance of half a step to spare there, so that the disc can also move along the straight line
-//! between two free neighbours: what is found connected is connected.
+//! The room is sampled at points at most [`STEP`] apart. A point counts as free if the disc has a clearance of half
+//! a step to spare there, so that the disc can also move along the straight line between two free neighbours.
+//! Points that are found connected are therefore really connected.
 
 use glam::DVec2;
 
@@ -15,46 +15,45 @@ use crate::geometry::{Rect, Shape};
 use crate::grid::GridFrame;
 use crate::union_find::UnionFind;
 
-/// The same for checks that may overlook nothing.
+/// The greatest distance between two samples, in metres, for checks that must not overlook anything.
 const FINE_STEP: f64 = 0.0125;
 
-/// Greatest distance that is measured, in metres.
+/// The greatest distance that is measured, in metres.
 const REACH: f64 = 1.5;
 
-/// Depth behind the wall's face, in metres, that the contents of a room leave clear at every doorway
-/// in the profile `guaranteed`.
+/// Depth behind the wall's face, in metres, that is free of contents at every doorway in the profile `guaranteed`.
 pub const DOORWAY_DEPTH: f64 = 0.5;
 
-/// The free space inside a room, in the frame of its design: x right, y up, metres of the map.
+/// The free space inside a room, in the frame of the room's design (x right, y up) but in metres of the map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interior {
     parts: Vec<Part>,
-    /// For each side, in half cells from the left or from the top, the first at half a cell.
+    /// The ports of each side, at every half cell from the left or from the top, beginning at half a cell.
     ports: [Vec<Port>; 4],
 }
 
-/// A connected piece of a room's free space.
+/// A connected part of a room's free space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
     /// The point with the greatest clearance, in metres from the room's lower left corner.
     pub anchor: DVec2,
     /// Distance from the anchor to the nearest wall or part, in metres, at most 1.5.
     pub clearance: f64,
-    /// Area of the positions where the footprint's middle can be, in square metres.
+    /// Area of the positions where the footprint's centre can be, in square metres.
     pub area: f64,
 }
 
-/// A position in a room's side where a doorway can be.
+/// A position in a room's side at which a doorway can be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Port {
-    /// The part of the free space that a doorway here leads to; `None` where contents block it.
+    /// The part of the free space to which a doorway at this position leads; `None` if contents block it.
     pub part: Option<u32>,
-    /// Whether the contents keep clear of the doorway, to a depth of [`DOORWAY_DEPTH`].
+    /// Whether no contents are within a depth of [`DOORWAY_DEPTH`] behind the doorway.
     pub clear: bool,
 }
 
 impl Port {
-    /// Whether a doorway is possible here: it leads somewhere and no contents are right behind it.
+    /// Returns whether a doorway is possible at this position: it leads somewhere, and no contents are right behind it.
     pub fn usable(self) -> bool {
         self.clear && self.part.is_some()
     }
@@ -76,8 +75,8 @@ impl Interior {
         Interior { parts, ports }
     }
 
-    /// Number of places in the room where the footprint has 2 cm to spare, but that the samples did
-    /// not find: they can lie between parts at any position.
+    /// Returns the number of places in the room where the footprint has 2 cm to spare but which the samples did not
+    /// find. They can lie between parts at any position.
     pub(super) fn overlooked(&self, room: &RoomDesign, dimensions: Dimensions) -> usize {
         let field = Field::sampled(room, dimensions, FINE_STEP, dimensions.radius + STEP);
         let (labels, parts) = field.label();
@@ -92,19 +91,19 @@ impl Interior {
         found.iter().filter(|found| !**found).count()
     }
 
-    /// The connected pieces of the free space.
+    /// Returns the connected parts of the free space.
     pub fn parts(&self) -> &[Part] {
         &self.parts
     }
 
-    /// The port in a side of the unturned room, `at` half cells from its left or upper end; blocked
-    /// outside the side.
+    /// Returns the port in a side of the unturned room, `at` half cells from its left or upper end. Outside the
+    /// side, the port is blocked.
     pub fn port(&self, side: Side, at: u32) -> Port {
         let ports = &self.ports[side as usize];
         (at as usize).checked_sub(1).and_then(|i| ports.get(i)).copied().unwrap_or_default()
     }
 
-    /// The port in a side of the room after `quarters` quarter turns counter-clockwise.
+    /// Returns the port in a side of the room after the room was turned by `quarters` quarter turns counter-clockwise.
     pub fn turned_port(&self, quarters: u8, side: Side, at: u32) -> Port {
         let length = |side: Side| self.ports[side as usize].len() as u32 + 1;
         let (original, at) = side.before_turn(at, quarters, length);
@@ -112,9 +111,9 @@ impl Interior {
     }
 }
 
-/// The width in metres of the narrowest point on the widest paths between the middles of all four
-/// sides, at most 3; 0 where some side cannot be reached. It depends on the room alone, not on its
-/// doorways, and is exact to about a step of [`STEP`].
+/// Returns the width in metres of the narrowest point on the widest paths between the middles of all four sides, at
+/// most 3; 0 if some side cannot be reached. It depends only on the room, not on its doorways, and is exact to
+/// about a step of [`STEP`].
 ///
 /// # Panics
 /// As [`Interior::new`].
@@ -123,8 +122,8 @@ pub fn narrowest_passage(room: &RoomDesign, unit: f64, wall: f64, doorway: f64) 
     field.narrowest_passage(room, 0.5 * doorway)
 }
 
-/// The room without the contents that block a doorway in a side, `at` half cells from its left or upper
-/// end: in the zone that must stay clear, or where the footprint enters.
+/// Returns the room without the contents that block a doorway in a side, `at` half cells from its left or upper
+/// end. These are the contents in the zone that must remain clear, or where the footprint enters.
 pub(super) fn cleared(
     room: &RoomDesign,
     dimensions: Dimensions,
@@ -147,8 +146,8 @@ pub(super) fn cleared(
     room
 }
 
-/// The part of a room's floor that must stay clear at a doorway in a side, `at` half cells from its left or
-/// upper end; in metres, for a room of that size.
+/// Returns the part of a room's floor that must remain clear at a doorway in a side, `at` half cells from its left
+/// or upper end, in metres, for a room of the given size.
 pub(super) fn doorway_zone(dimensions: Dimensions, size: DVec2, side: Side, at: u32) -> Rect {
     let depth = 0.5 * dimensions.wall + DOORWAY_DEPTH;
     let along = f64::from(at) * 0.5 * dimensions.unit;
@@ -163,17 +162,17 @@ pub(super) fn doorway_zone(dimensions: Dimensions, size: DVec2, side: Side, at: 
     Rect::new(min.into(), max.into())
 }
 
-/// Distances to the contents of a room, sampled.
+/// Sampled distances to the contents of a room.
 struct Field {
-    /// The samples are the lower left corners of its cells.
+    /// The grid of samples, which are the lower left corners of its cells.
     grid: GridFrame,
     size: DVec2,
     dimensions: Dimensions,
-    /// Samples per side of a cell, an even number.
+    /// Number of samples per side of a cell, which is even.
     per_cell: usize,
     barriers: Vec<Shape>,
     reach: f64,
-    /// Distance to the nearest content, at most `reach`, row by row from the lowest.
+    /// Distance to the nearest contents, at most `reach`, row by row from the lowest.
     contents: Vec<f64>,
 }
 
@@ -182,7 +181,7 @@ impl Field {
         Field::sampled(room, dimensions, STEP, REACH)
     }
 
-    /// With samples at most `step` apart, and distances up to `reach`.
+    /// Creates a field with samples at most `step` apart, and distances up to `reach`.
     fn sampled(room: &RoomDesign, dimensions: Dimensions, step: f64, reach: f64) -> Field {
         let mut field = Field::bare(room, dimensions, step, reach);
         let frame = field.frame(room);
@@ -193,7 +192,7 @@ impl Field {
         field
     }
 
-    /// Only the room's walls.
+    /// Creates a field of only the room's walls.
     fn bare(room: &RoomDesign, dimensions: Dimensions, step: f64, reach: f64) -> Field {
         if let Err(error) = dimensions.validate() {
             panic!("{error}");
@@ -216,13 +215,13 @@ impl Field {
         }
     }
 
-    /// From the design of a room to the metres of the map.
+    /// Returns the transform from the design of a room to metres of the map.
     fn frame(&self, room: &RoomDesign) -> RoomPlacement {
         let scale = self.dimensions.unit / DESIGN_UNIT;
         RoomPlacement { corner: DVec2::ZERO, scale, quarters: 0, size: room.size() }
     }
 
-    /// Clearance that the footprint's middle needs at a sample to be free.
+    /// Returns the clearance that the footprint's centre needs at a sample to be free.
     fn need(&self) -> f64 {
         self.dimensions.radius + 0.5 * self.grid.cell_size
     }
@@ -249,13 +248,13 @@ impl Field {
         self.grid.corner(column, row)
     }
 
-    /// Distance from a sample to the nearest face of the room's four walls, negative in a wall.
+    /// Returns the distance from a sample to the nearest face of the room's four walls, negative inside a wall.
     fn to_wall(&self, i: usize) -> f64 {
         let p = self.point(i);
         p.min(self.size - p).min_element() - 0.5 * self.dimensions.wall
     }
 
-    /// Numbers the connected pieces of the samples where the footprint's middle can be.
+    /// Numbers the connected parts of the samples where the footprint's centre can be.
     fn label(&self) -> (Vec<u32>, Vec<Part>) {
         let need = self.need();
         let is_free = |i: usize| self.contents[i] >= need && self.to_wall(i) >= need;
@@ -290,7 +289,7 @@ impl Field {
         (labels, parts)
     }
 
-    /// The sample `depth` steps behind the wall's middle line, `at` half cells along a side.
+    /// Returns the sample `depth` steps behind the wall's centre line, `at` half cells along a side.
     fn behind(&self, side: Side, at: u32, depth: usize) -> usize {
         let GridFrame { cols, rows, .. } = self.grid;
         let along = at as usize * self.per_cell / 2;
@@ -303,7 +302,7 @@ impl Field {
         self.grid.index(column, row)
     }
 
-    /// The samples from a wall's middle line inward until the footprint is past the wall.
+    /// Returns the samples from a wall's centre line inward until the footprint is past the wall.
     fn entry_samples(&self, side: Side, at: u32) -> impl Iterator<Item = usize> + use<'_> {
         let deepest =
             ((0.5 * self.dimensions.wall + self.need()) / self.grid.cell_size).ceil() as usize + 1;
@@ -364,7 +363,7 @@ impl Field {
     }
 }
 
-/// Whether a convex shape and a rectangle share more than a border.
+/// Whether a convex shape and a rectangle have more than a border in common.
 fn overlaps(shape: &Shape, rect: Rect) -> bool {
     const TOUCH: f64 = 1e-9;
     let rect = rect.grown(-TOUCH);

@@ -1,14 +1,15 @@
-//! What the settings of a map say about its difficulty: numbers for linear models.
+//! Terms of the settings from which linear models predict the difficulty of a map.
 
 use super::adaptation;
 use super::spec::{Cycles, IndoorSpec, Layout, RoomChoice};
 
-/// Passages per metre from which mazes count as narrow.
+/// The number of passages per metre above which mazes count as narrow.
 const WIDE: f64 = 0.7;
 
 impl IndoorSpec {
-    /// Numbers that follow from the settings alone, none negative, from which difficulty is predicted before a
-    /// map is generated: sizes, what the rules of the difficulty expect, and how much of each material there is.
+    /// Returns numbers that follow from the settings alone, none of them negative, from which the difficulty is
+    /// predicted before a map is generated: sizes, the expected results of the rules of difficulty, and the amount
+    /// of each material.
     pub fn lever_terms(&self) -> Vec<(&'static str, f64)> {
         let cell = self.cell_size;
         let (width, height) = (f64::from(self.width), f64::from(self.height));

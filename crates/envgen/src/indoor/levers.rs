@@ -1,9 +1,9 @@
-//! Draws of the settings that make a map easy or hard, for maps of a given size.
+//! Random draws of the settings that make a map easy or difficult, for maps of a given size.
 //!
-//! Doorways, rooms, mazes and clutter follow one severity loosely; floors and walls are drawn apart from each
-//! other, so that no material alone makes maps hard. Every lever has a stream of its own, so that a lever that is
-//! kept changes no other. No lever goes beyond what buildings have: floors slip at most as on rubble, dark walls
-//! are seen from 2 m.
+//! Doorways, rooms, mazes and clutter loosely follow a common severity. Floors and walls are drawn independently of
+//! each other, so that no material alone makes maps difficult. Every lever has its own random stream, so that
+//! keeping a lever does not change any other lever. No lever exceeds what occurs in buildings: floors slip at most
+//! as on rubble, and dark walls are visible from 2 m.
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -12,37 +12,37 @@ use super::dimensions::STEP;
 use super::spec::{Cycles, IndoorSpec, LEVERS, Layout, MOST_DOORWAY, Profile, RoomChoice};
 use crate::seed::{Seed, Stream};
 
-/// Greatest factor on the variances of wheel odometry that is drawn.
+/// The greatest factor on the variances of wheel odometry that is drawn.
 const MOST_SLIP: f64 = 25.0;
 
-/// Greatest wheel bias that is drawn.
+/// The greatest wheel bias that is drawn.
 const MOST_BIAS: f64 = 0.18;
 
-/// Range in metres of dark walls where the lever begins, and where it ends.
+/// Visible range in metres of dark walls where the lever begins, and where it ends.
 const DARK_RANGES: [f64; 2] = [8.0, 2.0];
 
-/// Least share of the floors or walls that a material covers where it is drawn.
+/// The least share of the floors or walls that a material covers if it is drawn.
 const LEAST_SHARE: f64 = 0.3;
 
-/// Most crates per 100 m^2 that are drawn.
+/// The greatest number of crates per 100 m^2 that is drawn.
 const MOST_CLUTTER: f64 = 25.0;
 
-/// Widest passage of mazes in metres that is drawn.
+/// The widest passage of mazes in metres that is drawn.
 const WIDEST_PASSAGE: f64 = 3.0;
 
-/// Narrowest doorway in metres that a setting allows.
+/// The narrowest doorway in metres that a setting allows.
 const LEAST_DOORWAY: f64 = 0.2;
 
-/// How much wider than the narrowest the widest doorways are that are drawn, in metres.
+/// The greatest difference in metres between the widest and the narrowest doorways that are drawn.
 const WIDER: f64 = 2.0;
 
-/// Probability of each material. They are drawn apart from each other, so that none alone makes maps hard.
+/// Probability of each material. Materials are drawn independently, so that no material alone makes maps difficult.
 const MATERIAL: f64 = 0.55;
 
-/// Rooms of which a few are chosen.
+/// Number of rooms from which a few are chosen.
 const THEME: usize = 8;
 
-/// Greatest distance between hallways in cells that is drawn.
+/// The greatest distance between hallways in cells that is drawn.
 const FARTHEST: u32 = 10;
 
 /// The levers of a spec, and those that keep their values.
@@ -64,7 +64,7 @@ impl<'a> Levers<'a> {
         Levers { base, kept }
     }
 
-    /// The spec with its levers drawn.
+    /// Returns the spec with its levers drawn.
     pub(super) fn draw(&self, seed: Seed) -> IndoorSpec {
         let base = self.base;
         let mut draws = stream("severity", seed);
@@ -101,7 +101,7 @@ impl<'a> Levers<'a> {
         }
     }
 
-    /// Hallways and rooms.
+    /// Draws hallways and rooms.
     fn plan(&self, spec: &mut IndoorSpec, navigation: f64, seed: Seed) {
         self.lever("layout", seed, |stream| {
             spec.layout = if stream.chance(0.25) { Layout::LSystem } else { Layout::Grid };
@@ -133,7 +133,7 @@ impl<'a> Levers<'a> {
         });
     }
 
-    /// Widths of doorways, in whole centimetres: where there is no choice of them they stay as they are.
+    /// Draws the widths of doorways, in whole centimetres. If no choice of widths is possible, they are kept.
     fn doorways(&self, spec: &mut IndoorSpec, navigation: f64, seed: Seed) {
         let least = (2.0 * (spec.robot_radius + STEP)).max(LEAST_DOORWAY);
         // Those that are to be kept stay the narrowest.
@@ -156,7 +156,7 @@ impl<'a> Levers<'a> {
         });
     }
 
-    /// Mazes, whose passages are at most so wide that one fits into a cell.
+    /// Draws mazes. One passage must fit into a cell.
     fn mazes(&self, spec: &mut IndoorSpec, navigation: f64, seed: Seed) {
         let widest = 0.5 * spec.cell_size - spec.wall_thickness;
         let least = centimetres(2.0 * (spec.robot_radius + STEP), f64::ceil);
@@ -171,7 +171,7 @@ impl<'a> Levers<'a> {
         });
     }
 
-    /// Slippery and loose floors, dark walls and objects.
+    /// Draws slippery and loose floors, and dark walls and objects.
     fn materials(&self, spec: &mut IndoorSpec, seed: Seed) {
         self.lever("floor_slip", seed, |stream| {
             spec.floor_slip = 1.0 + (MOST_SLIP - 1.0) * amount(stream);
@@ -202,8 +202,8 @@ impl<'a> Levers<'a> {
 }
 
 impl IndoorSpec {
-    /// Draws the settings that make a map easy or hard, within what buildings have: doorways, hallways,
-    /// rooms, clutter, floors and materials. Settings of other values than the defaults, and those in `fixed`,
+    /// Draws the settings that make a map easy or difficult, within what occurs in buildings: doorways, hallways,
+    /// rooms, clutter, floors and materials. Settings with other values than the defaults, and those in `fixed`,
     /// keep their values; size, robot and walls are never drawn. The result has the profile `guaranteed`.
     ///
     /// ```
@@ -220,35 +220,35 @@ impl IndoorSpec {
     }
 }
 
-/// The stream of a lever.
+/// Returns the stream of a lever.
 fn stream(lever: &str, seed: Seed) -> Stream {
     seed.stream(&format!("indoor/levers/{lever}"), 0)
 }
 
-/// How hard one side of a map is meant to be, from 0 to 1: easy and hard maps are more frequent than those
-/// between, of which a mixture of levers gives enough.
+/// Draws the intended severity of one aspect of a map, from 0 to 1. Easy and difficult maps are more frequent than
+/// those between, of which mixtures of levers give enough.
 fn severity(stream: &mut Stream) -> f64 {
     0.5 - 0.5 * libm::cos(PI * stream.unit())
 }
 
-/// A number from 0 to 1 that is near another.
+/// Draws a number from 0 to 1 that is near another number.
 fn near(severity: f64, spread: f64, stream: &mut Stream) -> f64 {
     (severity + stream.between(-spread, spread)).clamp(0.0, 1.0)
 }
 
-/// How strong a lever is, from 0 to 1: 0 for some maps of any severity.
+/// Draws the strength of a lever, from 0 to 1. It is 0 for some maps of any severity.
 fn strength(severity: f64, stream: &mut Stream) -> f64 {
     let (is_on, share) = (stream.chance(0.3 + 0.5 * severity), stream.between(0.5, 1.0));
     if is_on { severity * share } else { 0.0 }
 }
 
-/// How much there is of a material, from 0 to 1.
+/// Draws the amount of a material, from 0 to 1.
 fn amount(stream: &mut Stream) -> f64 {
     let (is_there, amount) = (stream.chance(MATERIAL), stream.unit());
     if is_there { amount } else { 0.0 }
 }
 
-/// A few of the rooms that may be placed, of about the same difficulty.
+/// Draws a few of the rooms that may be placed, of about the same difficulty.
 fn theme(base: &IndoorSpec, severity: f64, stream: &mut Stream) -> Vec<String> {
     let mut rooms = base.allowed_rooms();
     rooms.sort_by(|a, b| a.difficulty.total_cmp(&b.difficulty));
@@ -264,7 +264,7 @@ fn theme(base: &IndoorSpec, severity: f64, stream: &mut Stream) -> Vec<String> {
     names
 }
 
-/// A length in whole centimetres.
+/// Rounds a length to whole centimetres.
 fn centimetres(metres: f64, round: fn(f64) -> f64) -> f64 {
     round(metres * 100.0) / 100.0
 }

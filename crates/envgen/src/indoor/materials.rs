@@ -1,7 +1,8 @@
-//! Floors on which wheels slip, and walls and objects that a laser hardly sees.
+//! Materials: floors on which wheels slip, and walls and objects that a laser hardly sees.
 //!
-//! Each kind has a random order of its own for the parts that it may take, and takes the first of them
-//! up to its share: a larger share adds to what a smaller one has, and no kind moves another.
+//! Each kind of material has its own random order of the parts that it may take, and takes the first of them up to
+//! its share. A larger share therefore adds to the parts of a smaller share, and no kind changes the parts of
+//! another kind.
 
 use glam::DVec2;
 
@@ -10,10 +11,10 @@ use crate::geometry::{Rect, Shape, unit_vector};
 use crate::seed::Seed;
 use crate::world::{Surface, SurfaceKind, Wall, World};
 
-/// Shorter remains of walls and floors, in metres, are not cut off.
+/// Remainders of walls and floors that are shorter than this, in metres, are not cut off.
 const SHORTEST: f64 = 0.01;
 
-/// Applies the materials of a spec to a world; does nothing where the spec has none.
+/// Applies the materials of a spec to a world; does nothing if the spec has no materials.
 pub(super) fn apply(spec: &IndoorSpec, seed: Seed, world: &mut World) {
     let floors = floors(world);
     if spec.floor_slip > 1.0 {
@@ -38,7 +39,7 @@ pub(super) fn apply(spec: &IndoorSpec, seed: Seed, world: &mut World) {
     }
 }
 
-/// The floors of rooms, hallways and open areas. They overlap only where the design of a room has floors of
+/// Returns the floors of rooms, hallways and open areas. They overlap only if the design of a room has floors of
 /// its own.
 pub(super) fn floors(world: &World) -> Vec<Rect> {
     let halls = world.surfaces.iter().filter(|surface| surface.kind.is_hall());
@@ -46,7 +47,7 @@ pub(super) fn floors(world: &World) -> Vec<Rect> {
     world.rooms.iter().map(|room| room.shape.bounds()).chain(halls).collect()
 }
 
-/// Floors of a share of their whole area, the last one in part.
+/// Returns floors that cover a share of the total area; the last one can be covered in part.
 fn covered(floors: &[Rect], share: f64, seed: Seed, stream: &str) -> Vec<Rect> {
     let area = |floor: Rect| floor.size().element_product();
     let mut wanted = share * floors.iter().map(|&floor| area(floor)).sum::<f64>();
@@ -67,7 +68,7 @@ fn covered(floors: &[Rect], share: f64, seed: Seed, stream: &str) -> Vec<Rect> {
     covered
 }
 
-/// Darkens a share of the walls' length; the last wall is cut where its dark part ends.
+/// Darkens a share of the walls' length. The last wall is cut where its dark part ends.
 fn darken_walls(spec: &IndoorSpec, seed: Seed, walls: &mut Vec<Wall>) {
     if spec.dark_walls == 0.0 {
         return;
@@ -94,12 +95,12 @@ fn darken_walls(spec: &IndoorSpec, seed: Seed, walls: &mut Vec<Wall>) {
     }
 }
 
-/// What is darker by design stays so.
+/// Sets a visible range, unless the part is darker by design.
 fn darken(visible_range: &mut Option<f64>, range: f64) {
     *visible_range = Some(visible_range.map_or(range, |designed| designed.min(range)));
 }
 
-/// A box in two: the first has a length in metres.
+/// Cuts a box into two, of which the first has a length of `at` metres.
 fn cut(shape: &Shape, at: f64) -> Option<[Shape; 2]> {
     let Shape::Box { center, half_size, heading } = *shape else { return None };
     let along = if half_size.x >= half_size.y { DVec2::X } else { DVec2::Y };
@@ -113,7 +114,7 @@ fn cut(shape: &Shape, at: f64) -> Option<[Shape; 2]> {
     Some([piece(0.0, at), piece(at, 2.0 * half)])
 }
 
-/// The numbers from 0 to `len` in random order.
+/// Returns the numbers from 0 to `len` in random order.
 pub(super) fn shuffled(len: usize, seed: Seed, stream: &str) -> Vec<usize> {
     // Each part has a draw of its own, so that further parts do not change the order of others.
     let draw = |i: usize| (seed.stream(stream, i as u64).unit(), i);

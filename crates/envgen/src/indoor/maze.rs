@@ -1,7 +1,7 @@
-//! Mazes in rooms: every place inside is reached, by passages of a set width.
+//! Mazes in rooms: every place inside can be reached, by passages of a given width.
 //!
-//! A room is divided into squares of which a random spanning tree (Kruskal, 1956) is connected; a share of the
-//! dead ends is then opened ("braided"), and no wall is left in front of a doorway.
+//! A room is divided into squares, which are connected by a random spanning tree (Kruskal, 1956). A share of the
+//! dead ends is then opened ("braided"), and walls in front of doorways are removed.
 
 use glam::DVec2;
 
@@ -18,10 +18,10 @@ use crate::seed::Seed;
 use crate::union_find::UnionFind;
 use crate::world::{Contents, Wall, WallKind};
 
-/// Replaces the contents of a share of the rooms, by area, with mazes; does nothing where the spec has none.
+/// Replaces the contents of a share of the rooms, by area, with mazes; does nothing if the spec has no mazes.
 ///
-/// Rooms have a random order of their own and are taken from its start, so that a larger share adds mazes to
-/// those of a smaller one. Rooms that are too small for two passages stay as they are.
+/// Rooms have their own random order and are taken from its start, so that a larger share adds mazes to those of a
+/// smaller share. Rooms that are too small for two passages keep their contents.
 pub(super) fn place(spec: &IndoorSpec, seed: Seed, openings: &[Opening], rooms: &mut [PlacedRoom]) {
     if spec.mazes == 0.0 {
         return;
@@ -55,7 +55,8 @@ pub(super) fn place(spec: &IndoorSpec, seed: Seed, openings: &[Opening], rooms: 
     }
 }
 
-/// What must stay clear behind the doorways of a room: in metres, in the frame of the unturned room.
+/// Returns the zones behind the doorways of a room that must remain clear, in metres, in the frame of the unturned
+/// room.
 fn zones(spec: &IndoorSpec, openings: &[Opening], room: &PlacedRoom) -> Vec<Rect> {
     let size = DVec2::new(f64::from(room.room.width), f64::from(room.room.height));
     openings
@@ -77,15 +78,15 @@ struct Lattice {
     pitch: DVec2,
 }
 
-/// A wall between two squares: above the first of them, or to its right.
+/// A wall between two squares: above the first square, or to its right.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Edge {
     squares: [usize; 2],
 }
 
 impl Lattice {
-    /// As many squares as passages of the wanted width fit into; `None` if there are not two in either
-    /// direction, or too many for a room.
+    /// Divides a room into as many squares as passages of the wanted width fit into it; `None` if there are not two
+    /// in each direction, or too many for a room.
     fn new(spec: &IndoorSpec, room: &RoomDesign) -> Option<Self> {
         let count = |cells: u32| {
             let length = f64::from(cells) * spec.cell_size;
@@ -114,7 +115,7 @@ impl Lattice {
         edges
     }
 
-    /// The walls that stay.
+    /// Returns the walls that remain.
     fn walls(&self, braid: f64, seed: Seed, room: u64) -> Vec<Edge> {
         let own = Seed(seed.attempt("indoor/maze", room, 0).bits());
         let edges = self.edges();
@@ -132,7 +133,7 @@ impl Lattice {
         walls
     }
 
-    /// Opens a share of the dead ends; an opening may end two of them.
+    /// Opens a share of the dead ends. An opening may end two of them.
     fn braid(&self, share: f64, seed: Seed, walls: &mut Vec<Edge>) {
         let mut exits = vec![0_u32; self.columns * self.rows];
         for edge in self.edges() {
@@ -159,7 +160,8 @@ impl Lattice {
         }
     }
 
-    /// The walls as boxes in the frame of the design, pieces in a line together. Those in a zone are left out.
+    /// Returns the walls as boxes in the frame of the design, with collinear pieces joined. Walls in a zone are
+    /// left out.
     fn boxes(&self, walls: Vec<Edge>, thickness: f64, zones: &[Rect], scale: f64) -> Vec<Wall> {
         let half = 0.5 * thickness;
         // Line, from, to: in squares, for walls across and along.
@@ -196,7 +198,7 @@ impl Lattice {
         boxes
     }
 
-    /// The rectangle of a wall in metres; it fills the corners at its ends, within the room.
+    /// Returns the rectangle of a wall in metres. It fills the corners at its ends, within the room.
     fn rect(&self, axis: usize, (line, from, to): (usize, usize, usize), half: f64) -> Rect {
         let end = self.pitch * DVec2::new(self.columns as f64, self.rows as f64);
         let across = line as f64 * self.pitch[axis];

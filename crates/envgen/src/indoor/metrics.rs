@@ -1,4 +1,4 @@
-//! Numbers that describe a plan.
+//! Metrics of a plan.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::blueprint::FloorPlan;
 use super::grid::{Cell, Origin};
 use crate::world::Contents;
 
-/// Numbers that describe a plan. Draws are null or empty for plans that were not generated.
+/// The metrics of a plan. Those of random draws are null or empty for plans that were not generated.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};
@@ -30,65 +30,65 @@ pub struct IndoorMetrics {
     pub first_choice: BTreeMap<String, u64>,
     /// Mean difficulty of the first drawn rooms.
     pub first_choice_difficulty_mean: Option<f64>,
-    /// Mean difficulty that the rooms' probabilities predict.
+    /// Expected difficulty of a room by the rooms' probabilities.
     pub room_difficulty_expected: Option<f64>,
     /// Mean difficulty of the rooms on the plan.
     pub room_difficulty_mean: Option<f64>,
     /// Number of rooms.
     pub rooms: u64,
-    /// Sides of all rooms: each had one draw for a doorway.
+    /// Number of sides of all rooms. Each side had one draw for a doorway.
     pub sides: u64,
-    /// Sides for which a doorway was drawn.
+    /// Number of sides for which a doorway was drawn.
     pub doorways: u64,
-    /// Drawn doorways that stayed closed because nothing is behind them.
+    /// Number of drawn doorways that stayed closed because nothing is behind them.
     pub doorways_closed: u64,
-    /// Openings in the walls; two rooms may share one.
+    /// Number of openings in the walls. Two rooms may share an opening.
     pub openings: u64,
-    /// Openings that were moved away from the middle of their side to be whole.
+    /// Number of openings that were moved away from the middle of their side so that they are whole.
     pub openings_shifted: u64,
-    /// Openings that were added so that a place can be reached.
+    /// Number of openings that were added so that a place can be reached.
     pub openings_added: u64,
-    /// Rooms whose contents were removed so that a place can be reached.
+    /// Number of rooms whose contents were removed so that a place can be reached.
     pub rooms_emptied: u64,
-    /// Rooms that lost the contents that blocked a drawn doorway.
+    /// Number of rooms without the contents that blocked a drawn doorway.
     pub rooms_cleared: u64,
-    /// Area of each room in square metres, in the order of the rooms, from the middles of the walls.
+    /// Area of each room in square metres, measured between the centre lines of the walls, in the order of the rooms.
     pub room_areas: Vec<f64>,
     /// Number of cells of each kind.
     pub cells: CellCounts,
-    /// Hallway cells with one hallway neighbour or none.
+    /// Number of hallway cells with at most one hallway neighbour.
     pub hallway_ends: u64,
-    /// Independent cycles of the hallway cells alone.
+    /// Number of independent cycles of the hallway cells alone.
     pub hallway_cycles: u64,
-    /// Connected components of the hallway cells alone.
+    /// Number of connected components of the hallway cells alone.
     pub hallway_parts: u64,
-    /// Floor cells with only one link, counting hallways, open areas and doorways.
+    /// Number of floor cells with only one link, counting hallways, open areas and doorways.
     pub dead_ends: u64,
-    /// Rooms, and parts of divided rooms, with only one link.
+    /// Number of rooms, and parts of divided rooms, with only one link.
     pub room_dead_ends: u64,
-    /// Rooms without a passable doorway.
+    /// Number of rooms without a passable doorway.
     pub rooms_closed: u64,
     /// Mean number of passable doorways per room.
     pub doors_a_room: Option<f64>,
-    /// Independent cycles of hallways, open areas, doorways and rooms together.
+    /// Number of independent cycles of hallways, open areas, doorways and rooms together.
     pub cycles: u64,
-    /// Connected components of the plan.
+    /// Number of connected components of the plan.
     pub parts: u64,
-    /// The narrowest passage through each room before and after its contents were moved, in metres;
-    /// empty when they were not moved.
+    /// The narrowest passage through each room before and after its contents were moved, in metres; empty if they
+    /// were not moved.
     pub variations: Vec<[f64; 2]>,
 }
 
 /// Number of cells of each kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct CellCounts {
-    /// Hallway cells.
+    /// Number of hallway cells.
     pub hallway: u64,
-    /// Open-area cells.
+    /// Number of cells of open areas.
     pub open: u64,
-    /// Cells of rooms.
+    /// Number of cells of rooms.
     pub room: u64,
-    /// Solid cells.
+    /// Number of solid cells.
     pub solid: u64,
 }
 

@@ -4,10 +4,10 @@
 //! Amsterdam, 2011.
 //!
 //! - [`adaptation`]: the equations of the five adaptive rules.
-//! - [`Catalogue`] and [`RoomDesign`]: the rooms that a map may hold; the paper's 20 are built in.
-//! - [`IndoorSpec`] and [`FloorPlan`]: the settings, and the plan on the grid that the rules draw.
-//! - [`AccessGraph`]: which places are connected; [`Interior`]: the same inside one room.
-//! - [`PlanEditor`]: changes by hand, with undo and redo.
+//! - [`Catalogue`] and [`RoomDesign`]: the rooms that a map may contain. The paper's 20 rooms are built in.
+//! - [`IndoorSpec`] and [`FloorPlan`]: the settings, and the plan that the rules draw on the grid.
+//! - [`AccessGraph`]: which places of a plan are connected. [`Interior`]: the same inside one room.
+//! - [`PlanEditor`]: manual changes, with undo and redo.
 //! - `world_generator`: the files of the tool that the paper extended.
 
 pub mod adaptation;

@@ -1,4 +1,4 @@
-//! A room on a plan.
+//! Rooms placed on a plan.
 
 use super::catalogue::SharedRoom;
 use super::dimensions::Dimensions;
@@ -6,26 +6,26 @@ use super::grid::{Axis, Gate, Side, Sides};
 use super::interior::Port;
 use crate::world::Contents;
 
-/// A room on a plan.
+/// A room placed on a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedRoom {
-    /// The room as designed.
+    /// The room, as it was designed.
     pub room: SharedRoom,
     /// Column of its leftmost cells.
     pub x: u32,
     /// Row of its uppermost cells.
     pub y: u32,
-    /// Quarter turns counter-clockwise.
+    /// Number of quarter turns counter-clockwise.
     pub quarters: u8,
     /// Sides for which a doorway was drawn.
     pub doorways: Sides,
-    /// Which of its contents remain: in the profile `guaranteed` those that block drawn doorways are
-    /// removed, and all of them where nothing else makes a place reachable; mazes replace them.
+    /// Which of its contents remain. In the profile `guaranteed`, contents that block drawn doorways are removed,
+    /// and all contents if nothing else makes a place reachable. Mazes replace the contents.
     pub contents: Contents,
 }
 
 impl PlacedRoom {
-    /// Columns and rows that it takes.
+    /// Returns the numbers of columns and rows that the room takes.
     pub fn size(&self) -> (u32, u32) {
         match self.quarters % 2 {
             0 => (self.room.width, self.room.height),
@@ -33,7 +33,7 @@ impl PlacedRoom {
         }
     }
 
-    /// Cells along a side.
+    /// Returns the number of cells along a side.
     pub fn side_length(&self, side: Side) -> u32 {
         let (width, height) = self.size();
         match side {
@@ -42,7 +42,7 @@ impl PlacedRoom {
         }
     }
 
-    /// The gate of an opening in a side, `at` half cells from its left or upper end.
+    /// Returns the position of an opening in a side, `at` half cells from its left or upper end.
     pub fn gate(&self, side: Side, at: u32) -> Gate {
         let (width, height) = self.size();
         match side {
@@ -63,14 +63,14 @@ impl PlacedRoom {
         }
     }
 
-    /// The port of an opening in its walls.
+    /// Returns the port of an opening in the room's walls.
     pub(super) fn port(&self, gate: Gate, dimensions: Dimensions) -> Port {
         let port = |(side, at)| self.room.interior(dimensions).turned_port(self.quarters, side, at);
         self.side_of(gate).map_or_else(Port::default, port)
     }
 
-    /// The room without the contents that block an opening in its walls; `None` when the opening could
-    /// not be used even so.
+    /// Returns the room without the contents that block an opening in its walls; `None` if the opening could still
+    /// not be used.
     pub(super) fn cleared(&self, gate: Gate, dimensions: Dimensions) -> Option<PlacedRoom> {
         let (side, at) = self.side_of(gate)?;
         let (side, at) =
@@ -80,8 +80,8 @@ impl PlacedRoom {
         Some(PlacedRoom { room, contents, ..self.clone() })
     }
 
-    /// The side that an opening lies in, and how many half cells from the side's left or upper end;
-    /// `None` when it is not in this room's walls.
+    /// Returns the side in which an opening lies, and its distance from the side's left or upper end in half cells;
+    /// `None` if it is not in this room's walls.
     pub fn side_of(&self, gate: Gate) -> Option<(Side, u32)> {
         Side::ALL.into_iter().find_map(|side| {
             let at = gate.at.checked_sub(self.gate(side, 0).at)?;

@@ -1,4 +1,4 @@
-//! A change of a plan by hand, as it is made and as files hold it.
+//! Manual changes of a plan, as they are applied and as files contain them.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -7,7 +7,7 @@ use super::catalogue::SharedRoom;
 use super::grid::Gate;
 use crate::world::Obstacle;
 
-/// A change of a plan. The provenance of an edited plan lists its changes, as JSON.
+/// A change of a plan. The provenance of an edited plan lists its changes as JSON.
 ///
 /// ```
 /// use envgen::indoor::{Edit, IndoorSpec, PlanEditor};
@@ -22,7 +22,7 @@ use crate::world::Obstacle;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Edit {
-    /// Puts a room with its upper left corner at a cell. It may take solid cells and open areas.
+    /// Places a room with its upper left corner at a cell. The room may take solid cells and open areas.
     AddRoom {
         /// The room.
         room: SharedRoom,
@@ -30,50 +30,50 @@ pub enum Edit {
         x: u32,
         /// Row of its uppermost cells.
         y: u32,
-        /// Quarter turns counter-clockwise.
+        /// Number of quarter turns counter-clockwise.
         quarters: u8,
     },
     /// Moves a room, with those of its doorways that lead somewhere at the new position.
     MoveRoom {
-        /// Its index in [`FloorPlan::rooms`](super::FloorPlan::rooms).
+        /// Index of the room in [`FloorPlan::rooms`](super::FloorPlan::rooms).
         room: usize,
-        /// Column of its leftmost cells.
+        /// New column of its leftmost cells.
         x: u32,
-        /// Row of its uppermost cells.
+        /// New row of its uppermost cells.
         y: u32,
     },
     /// Turns a room about its upper left corner, with its doorways.
     TurnRoom {
-        /// Its index in [`FloorPlan::rooms`](super::FloorPlan::rooms).
+        /// Index of the room in [`FloorPlan::rooms`](super::FloorPlan::rooms).
         room: usize,
-        /// Quarter turns counter-clockwise.
+        /// Number of quarter turns counter-clockwise.
         quarters: u8,
     },
-    /// Removes a room; its cells become open area, or solid where the spec has no open areas.
-    /// The last room takes its index in [`FloorPlan::rooms`](super::FloorPlan::rooms).
+    /// Removes a room. Its cells become open area, or solid if the spec has no open areas. The last room takes its
+    /// index in [`FloorPlan::rooms`](super::FloorPlan::rooms).
     RemoveRoom {
-        /// Its index in [`FloorPlan::rooms`](super::FloorPlan::rooms).
+        /// Index of the room in [`FloorPlan::rooms`](super::FloorPlan::rooms).
         room: usize,
     },
-    /// Makes a solid cell or a piece of open area a hallway.
+    /// Turns a solid cell or a cell of open area into a hallway.
     AddHallway {
         /// Column.
         x: u32,
         /// Row.
         y: u32,
     },
-    /// Makes a hallway cell solid.
+    /// Turns a hallway cell into a solid cell.
     RemoveHallway {
         /// Column.
         x: u32,
         /// Row.
         y: u32,
     },
-    /// Opens a room's wall.
+    /// Opens a doorway in a room's wall.
     OpenDoorway(Gate),
-    /// Closes an opening.
+    /// Closes a doorway.
     CloseDoorway(Gate),
-    /// Puts an object into a room. It may be turned, and touch other objects, but not reach outside of the room.
+    /// Adds an object to a room. It may be rotated and may touch other objects, but must not extend outside the room.
     AddObject {
         /// Index of the room in [`FloorPlan::rooms`](super::FloorPlan::rooms).
         room: usize,
@@ -84,25 +84,25 @@ pub enum Edit {
     MoveObject {
         /// Index of the room in [`FloorPlan::rooms`](super::FloorPlan::rooms).
         room: usize,
-        /// Its index in the room's obstacles.
+        /// Index of the object in the room's obstacles.
         object: usize,
-        /// How far in metres, in the frame of the world.
+        /// Displacement in metres, in the frame of the world.
         by: DVec2,
     },
     /// Turns an object about its middle.
     TurnObject {
         /// Index of the room in [`FloorPlan::rooms`](super::FloorPlan::rooms).
         room: usize,
-        /// Its index in the room's obstacles.
+        /// Index of the object in the room's obstacles.
         object: usize,
         /// The angle in radians, counter-clockwise.
         angle: f64,
     },
-    /// Removes an object. Those behind it in the list of the room's obstacles move up.
+    /// Removes an object. The indices of the objects behind it in the room's obstacles decrease by one.
     RemoveObject {
         /// Index of the room in [`FloorPlan::rooms`](super::FloorPlan::rooms).
         room: usize,
-        /// Its index in the room's obstacles.
+        /// Index of the object in the room's obstacles.
         object: usize,
     },
 }

@@ -1,14 +1,15 @@
-//! What the profile `calibrated` is asked for.
+//! Requests of the profile `calibrated`.
 
 use super::spec::IndoorSpec;
 use crate::dials::Dials;
 
-/// The dials that a spec of the profile `calibrated` requests.
+/// The dials that a spec of the profile `calibrated` requests; `None` for dials that are not requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Request(pub Dials<Option<f64>>);
 
 impl Request {
-    /// How far dials are from what is requested: the root of the sum of squares over the dials that are.
+    /// Returns the distance of dials from the request: the root of the sum of squared differences over the
+    /// requested dials.
     pub fn distance(&self, dials: Dials<f64>) -> f64 {
         let squares = self.0.zip(dials).named().map(|(_, (wanted, value))| {
             wanted.map_or(0.0, |wanted| (value - wanted) * (value - wanted))
@@ -18,8 +19,8 @@ impl Request {
 }
 
 impl IndoorSpec {
-    /// What it requests in the profile `calibrated`: `mapping` and `navigation` where one of them is set, else
-    /// the `difficulty`.
+    /// Returns the request of the spec in the profile `calibrated`: `mapping` and `navigation` if one of them is
+    /// set, otherwise the `difficulty`.
     pub fn request(&self) -> Request {
         let IndoorSpec { mapping, navigation, .. } = *self;
         let whole = mapping.is_none() && navigation.is_none();

@@ -1,27 +1,27 @@
-//! From the frame in which a room is drawn to the map.
+//! Transforms from the frame in which a room is designed to the map.
 
 use glam::{DVec2, Vec2Swizzles};
 
 use crate::geometry::{Shape, box_axis, wrap_angle};
 
-/// Side of a cell in metres for which the contents of rooms are drawn.
+/// Side in metres of a cell for which the contents of rooms are designed.
 pub const DESIGN_UNIT: f64 = 3.0;
 
-/// Moves shapes from a room's own frame into the map.
+/// Transforms shapes from a room's own frame to the map.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RoomPlacement {
     /// Lower left corner of the turned room, in metres.
     pub(super) corner: DVec2,
     /// Metres of the map per metre of the design.
     pub(super) scale: f64,
-    /// Quarter turns counter-clockwise.
+    /// Number of quarter turns counter-clockwise.
     pub(super) quarters: u8,
-    /// Size of the room as designed, in metres of the design.
+    /// Size of the room in metres of the design, before it is turned.
     pub(super) size: DVec2,
 }
 
 impl RoomPlacement {
-    /// A point of the design in the map.
+    /// Transforms a point of the design to the map.
     pub(super) fn point(&self, p: DVec2) -> DVec2 {
         let turned = match self.quarters % 4 {
             0 => p,
@@ -32,7 +32,7 @@ impl RoomPlacement {
         self.corner + turned * self.scale
     }
 
-    /// The transform from the map to the design.
+    /// Returns the transform from the map to the design.
     pub(super) fn inverse(&self) -> RoomPlacement {
         let odd = self.quarters % 2 == 1;
         let size = if odd { self.size.yx() } else { self.size } * self.scale;
@@ -42,14 +42,14 @@ impl RoomPlacement {
         RoomPlacement { corner: back.point(DVec2::ZERO) - back.point(self.corner), ..back }
     }
 
-    /// A heading of the design in the map.
+    /// Transforms a heading of the design to the map.
     pub(super) fn heading(&self, heading: f64) -> f64 {
         let quarter = std::f64::consts::FRAC_PI_2;
         let turned = heading + quarter * f64::from(self.quarters % 4);
         wrap_angle(turned)
     }
 
-    /// A shape of the design in the map. Boxes along the axes stay so to the last bit.
+    /// Transforms a shape of the design to the map. Axis-aligned boxes remain axis-aligned to the last bit.
     pub(super) fn shape(&self, shape: &Shape) -> Shape {
         match shape {
             Shape::Segment { a, b } => Shape::Segment { a: self.point(*a), b: self.point(*b) },

@@ -13,7 +13,7 @@ use crate::error::SpecError;
 use crate::settings;
 use crate::world::{DOORWAY, WALL, is_zero};
 
-/// Most cells of maps in the profile `calibrated`: beyond, nothing was measured.
+/// The greatest number of cells of maps in the profile `calibrated`. Larger maps were not measured.
 const MAX_CALIBRATED_CELLS: u64 = 4096;
 
 /// The settings that the profile `calibrated` draws.
@@ -45,20 +45,20 @@ pub(super) const LEVERS: [&str; 22] = [
 /// The default of [`IndoorSpec::dark_range`] in metres.
 const DARK_RANGE: f64 = 3.0;
 
-/// The most parts in rooms, and squares of mazes, that a map may come to have.
+/// The greatest number of parts in rooms, and of squares of mazes, that a map may have.
 const MAX_CONTENTS: f64 = 1e8;
 
-/// Width of the doorways in metres, unless set.
+/// The default width of the doorways in metres.
 const DOORWAY_WIDTH: f64 = 0.94;
 
-/// Greatest width of doorways in metres.
+/// The greatest width of doorways in metres.
 pub(super) const MOST_DOORWAY: f64 = 3.0;
 
-/// How much wider than the robot's narrowest doorway the widest is at least that is drawn, in metres: both are
-/// rounded to centimetres, and must differ.
+/// The least difference in metres between the widest doorway that is drawn and the narrowest doorway for the robot.
+/// Both are rounded to centimetres and must differ.
 const DOORWAY_CHOICE: f64 = 0.03;
 
-/// Width of the passages of mazes in metres, unless set.
+/// The default width of the passages of mazes in metres.
 const MAZE_PASSAGE: f64 = 1.4;
 
 // Settings of materials, clutter and doorway widths are written where they are set, so that the files of
@@ -226,23 +226,23 @@ settings! {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Profile {
-    /// Exactly as in the paper, flaws included: rooms may be closed, contents may block a doorway.
+    /// Exactly as in the paper, flaws included: rooms may be closed, and contents may block a doorway.
     Thesis,
-    /// Every place can be reached by the footprint.
+    /// A robot of the spec's footprint can reach every place.
     Guaranteed,
-    /// As `guaranteed`, of the requested difficulty as trials measure it: doorways, rooms, mazes, clutter, floors
-    /// and materials are drawn.
+    /// As `guaranteed`, with the requested difficulty on the scale that trials measure. Doorways, rooms, mazes,
+    /// clutter, floors and materials are drawn.
     Calibrated,
 }
 
-/// How the hallways are laid out.
+/// The layout of the hallways.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Layout {
-    /// Parallel hallways a fixed distance apart in either direction, as in the paper.
+    /// Parallel hallways at a fixed distance in either direction, as in the paper.
     Grid,
-    /// A net that branches, grown by an L-system.
+    /// A branching network, grown by an L-system.
     LSystem,
 }
 
@@ -251,9 +251,9 @@ pub enum Layout {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum RoomChoice {
-    /// By how near their difficulty is.
+    /// By how near their difficulty is to that of the map.
     Difficulty,
-    /// All with equal probability, as in the original World Generator.
+    /// All rooms with equal probability, as in the original World Generator.
     Uniform,
 }
 
@@ -262,7 +262,7 @@ pub enum RoomChoice {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Turn {
-    /// Not in the profile `thesis`, allowed in `guaranteed`.
+    /// Not in the profile `thesis`; allowed in the others.
     Profile,
     /// Never.
     Never,
@@ -275,11 +275,11 @@ pub enum Turn {
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Cycles {
-    /// Drawn from the difficulty.
+    /// Drawn with a probability that follows from the difficulty.
     Difficulty,
-    /// Never.
+    /// Cycles are never prevented.
     Allow,
-    /// Always.
+    /// Cycles are always prevented.
     Prevent,
 }
 
@@ -299,7 +299,7 @@ pub(super) const RULES: &[&str] = &[
 ];
 
 impl IndoorSpec {
-    /// Checks every field, and the fields together.
+    /// Checks every field, and the rules about several fields.
     pub(super) fn check(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         self.check_metres()?;
@@ -321,7 +321,7 @@ impl IndoorSpec {
         self.check_contents()
     }
 
-    /// Whether mazes and contents of rooms are not too many.
+    /// Checks that there are not too many mazes and contents of rooms.
     fn check_contents(&self) -> Result<(), SpecError> {
         let cells = f64::from(self.width) * f64::from(self.height);
         if cells * self.maze_squares() > MAX_CONTENTS {
@@ -337,13 +337,13 @@ impl IndoorSpec {
         Ok(())
     }
 
-    /// Squares of mazes per cell, in the mean.
+    /// Returns the mean number of squares of mazes per cell.
     pub(super) fn maze_squares(&self) -> f64 {
         let side = self.cell_size / (self.maze_passage + self.wall_thickness);
         self.mazes * side * side
     }
 
-    /// The most parts that a room of those that may be placed has per cell.
+    /// Returns the greatest number of parts per cell of the rooms that may be placed.
     pub(super) fn most_contents(&self) -> f64 {
         let parts = |room: &SharedRoom| {
             let parts = room.walls.len() + room.obstacles.len() + room.surfaces.len();
@@ -353,18 +353,18 @@ impl IndoorSpec {
         self.catalogue().rooms().iter().filter(allowed).map(parts).fold(0.0, f64::max)
     }
 
-    /// The catalogue: the spec's own, or the built-in one.
+    /// Returns the catalogue: the spec's own, or the built-in one.
     pub fn catalogue(&self) -> &Catalogue {
         self.catalogue.as_ref().unwrap_or(Catalogue::builtin())
     }
 
-    /// The rooms that may be placed, in the catalogue's order.
+    /// Returns the rooms that may be placed, in the order of the catalogue.
     pub fn allowed_rooms(&self) -> Vec<SharedRoom> {
         let allowed = |room: &&SharedRoom| self.rooms.is_empty() || self.rooms.contains(&room.name);
         self.catalogue().rooms().iter().filter(allowed).cloned().collect()
     }
 
-    /// The probability of each of [`IndoorSpec::allowed_rooms`] to be drawn.
+    /// Returns the probability of each of [`IndoorSpec::allowed_rooms`] to be drawn.
     ///
     /// ```
     /// use envgen::indoor::IndoorSpec;
@@ -388,7 +388,7 @@ impl IndoorSpec {
         }
     }
 
-    /// The dimensions that decide where a robot can go.
+    /// Returns the dimensions that determine where a robot can go.
     pub fn dimensions(&self) -> Dimensions {
         Dimensions {
             unit: self.cell_size,
@@ -406,7 +406,7 @@ impl IndoorSpec {
         }
     }
 
-    /// Checks what only the profile `calibrated` has.
+    /// Checks the settings that only the profile `calibrated` has.
     fn check_request(&self) -> Result<(), SpecError> {
         // The difficulty is what is asked for, or drawn for other dials.
         let fixable = || LEVERS.into_iter().filter(|name| *name != "difficulty");
@@ -434,7 +434,7 @@ impl IndoorSpec {
         }
     }
 
-    /// Whether the profile can be calibrated for the spec's size and robot.
+    /// Checks whether the profile `calibrated` is possible for the spec's size and robot.
     fn check_calibrated(&self) -> Result<(), SpecError> {
         let cells = u64::from(self.width) * u64::from(self.height);
         if cells > MAX_CALIBRATED_CELLS {
@@ -455,7 +455,7 @@ impl IndoorSpec {
         Ok(())
     }
 
-    /// Whether the profile `calibrated` draws the width of the doorways, and so fits it to the robot.
+    /// Whether the profile `calibrated` draws the width of the doorways, and thus fits it to the robot.
     fn draws_doorway(&self) -> bool {
         let is_kept =
             self.doorway != DOORWAY_WIDTH || self.fixed.iter().any(|one| one == "doorway");
@@ -519,11 +519,10 @@ impl IndoorSpec {
 }
 
 impl Dimensions {
-    /// Checks the dimensions against the limits of the settings of an
-    /// [`IndoorSpec`]; a radius may be 0.
+    /// Checks the dimensions against the limits of the settings of an [`IndoorSpec`]. The radius may be 0.
     ///
     /// # Errors
-    /// The first dimension that is not allowed.
+    /// Names the first dimension that is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
         const { IndoorSpec::setting("cell_size") }.check(self.unit)?;
         const { IndoorSpec::setting("wall_thickness") }.check(self.wall)?;
@@ -535,7 +534,7 @@ impl Dimensions {
     }
 }
 
-/// Rounded, so that the rounding of a difference does not refuse a value that is exactly allowed.
+/// Rounds to nanometres, so that the rounding of a difference does not cause an exactly allowed value to be refused.
 fn to_nanometres(metres: f64) -> f64 {
     (metres * 1e9).round() / 1e9
 }

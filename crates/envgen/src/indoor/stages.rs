@@ -1,4 +1,4 @@
-//! Runs the rules in the order of the paper, each on its own random stream.
+//! Runs the rules in the order of the paper, each with its own random stream.
 
 use super::adaptation as adapt;
 use super::blueprint::{Draws, FloorPlan};
@@ -10,24 +10,24 @@ use super::rules::{access, cycles, doorways, hallways, l_system, open_areas, roo
 use super::spec::{Cycles, IndoorSpec, Layout, Profile};
 use crate::seed::Seed;
 
-/// A step of the generator, in the order in which they run.
+/// A stage of the generator. Stages are listed in the order in which they run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
-    /// The distances between hallways are drawn, and the hallways placed or grown.
+    /// The distances between hallways are drawn, and the hallways are placed or grown.
     Hallways,
-    /// Hallway cycles are prevented, where the draw says so.
+    /// Hallway cycles are prevented, if the draw decides so.
     Cycles,
     /// Rooms are drawn and placed.
     Rooms,
     /// The remaining cells become open area.
     OpenAreas,
-    /// Contents are moved, where a clearance is set.
+    /// Contents are moved, if a clearance is set.
     Contents,
-    /// Doorways are drawn and walls opened.
+    /// Doorways are drawn, and walls are opened.
     Doorways,
     /// Unreachable places get doorways, in the profile `guaranteed`.
     Access,
-    /// Rooms get mazes, where there are any.
+    /// Rooms get mazes, if the spec has any.
     Mazes,
 }
 
@@ -45,7 +45,7 @@ impl Stage {
     ];
 }
 
-/// The plan of a spec whose levers are set.
+/// Generates the plan of a spec whose levers are set.
 pub(super) fn plan_as_set(
     spec: &IndoorSpec,
     seed: Seed,

@@ -1,8 +1,7 @@
-//! Rules at the level of objects: the contents of a room are moved until its narrowest passage has a
-//! wanted width.
+//! Rules for objects: the contents of a room are moved until its narrowest passage has a given width.
 //!
-//! Zwennes' future work asks for "rules that can rearrange objects inside a room to narrow or widen
-//! the paths through the room".
+//! Zwennes' future work asks for "rules that can rearrange objects inside a room to narrow or widen the paths
+//! through the room".
 
 use glam::DVec2;
 
@@ -13,7 +12,7 @@ use super::interior::{Interior, narrowest_passage};
 use crate::geometry::{Shape, unit_vector, wrap_angle};
 use crate::seed::Stream;
 
-/// The most changes that are tried.
+/// The greatest number of changes that are tried.
 const TRIES: u32 = 80;
 
 /// The greatest distance by which one change moves a part along each axis, in metres of the design.
@@ -25,27 +24,27 @@ pub(super) const GREATEST_TURN: f64 = 1.0;
 /// A room whose contents were moved.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Varied {
-    /// The room as it is now.
+    /// The room after the changes.
     pub(super) room: SharedRoom,
-    /// The narrowest passage through the room before, in metres.
+    /// The narrowest passage through the room before the changes, in metres.
     pub(super) before: f64,
-    /// The narrowest passage through it now, in metres.
+    /// The narrowest passage through the room after the changes, in metres.
     pub(super) after: f64,
 }
 
-/// A law that may give a number that is not allowed.
+/// A distribution that may give a number that is not allowed.
 type Draw<'a, E> = dyn Fn(&mut Stream) -> Result<f64, E> + 'a;
 
-/// Moves, turns, removes and doubles obstacles until the narrowest passage through the room, as
-/// [`narrowest_passage`] measures it, is as near to `wanted` metres as 80 changes bring it. Walls stay.
-/// Doorways that were clear stay clear, no free space is cut off from the doorways, and no pocket is
-/// left between parts that the footprint just fits in. A room without obstacles stays as it is.
+/// Moves, turns, removes and doubles obstacles until the narrowest passage through the room, as measured by
+/// [`narrowest_passage`], is as near to `wanted` metres as 80 changes bring it. Walls are not moved. Doorways that
+/// were clear remain clear, no free space is cut off from the doorways, and no pocket remains between parts into
+/// which the footprint just fits. A room without obstacles remains as it is.
 ///
-/// `moves` is the law of how far a part is moved along each axis, in metres of the design, and `turns`
+/// `moves` is the distribution of how far a part is moved along each axis, in metres of the design, and `turns`
 /// that of the angle by which it is turned, in radians.
 ///
 /// # Panics
-/// When `wanted` is NaN or negative, and as [`Interior::new`].
+/// When `wanted` is NaN or negative, and when [`Interior::new`] panics.
 pub(super) fn vary<E>(
     room: &SharedRoom,
     wanted: f64,
@@ -88,7 +87,7 @@ pub(super) fn vary<E>(
     Ok(Varied { room: best.0, before, after: best.1 })
 }
 
-/// One change of one obstacle, of a kind that tends to widen or to narrow.
+/// Makes one change of one obstacle, of a kind that tends to widen or to narrow the passages.
 fn change<E>(
     room: &mut RoomDesign,
     widen: bool,
@@ -124,7 +123,7 @@ fn change<E>(
     Ok(())
 }
 
-/// A shape moved and turned about its middle.
+/// Returns a shape that is moved, and turned about its middle.
 fn moved(shape: &Shape, by: DVec2, angle: f64) -> Shape {
     let turn = |p: DVec2, about: DVec2| about + by + unit_vector(angle).rotate(p - about);
     match shape {
@@ -150,7 +149,7 @@ fn clear_ports(interior: &Interior, room: &RoomDesign) -> [bool; 4] {
     Side::ALL.map(|side| interior.port(side, room.side_length(side)).usable())
 }
 
-/// Number of parts of the free space that no doorway leads to.
+/// Returns the number of parts of the free space to which no doorway leads.
 pub(super) fn cut_off(interior: &Interior, room: &RoomDesign) -> usize {
     let mut led_to = vec![false; interior.parts().len()];
     for side in Side::ALL {

@@ -1,4 +1,4 @@
-//! From a plan to a world in metres.
+//! Builds the world of a plan, in metres.
 
 use glam::DVec2;
 use serde_json::json;
@@ -76,7 +76,7 @@ fn provenance(plan: &FloorPlan) -> Provenance {
     provenance
 }
 
-/// Walls between cells that are not one space, merged along their lines and cut by the openings.
+/// Adds the walls between cells that do not belong to the same space, merged along their lines and cut by the openings.
 fn walls(plan: &FloorPlan, walls: &mut Vec<Wall>) {
     let (width, height) = (plan.grid.width(), plan.grid.height());
     let cell = |x: u32, y: u32| plan.grid.get(x, y).unwrap_or_default();
@@ -92,7 +92,7 @@ fn walls(plan: &FloorPlan, walls: &mut Vec<Wall>) {
     }
 }
 
-/// The walls on one line. `openings` are those that are still ahead, in order.
+/// Adds the walls on one line. `openings` are those that are still ahead, in order.
 fn runs(
     plan: &FloorPlan,
     axis: Axis,
@@ -136,8 +136,8 @@ fn runs(
     }
 }
 
-/// The rectangle around a line of the grid, from `from` to `to` metres along it (from the left or
-/// from the top) and `half` metres to either side.
+/// Returns the rectangle around a line of the grid, from `from` to `to` metres along it (from the left or from the
+/// top) and `half` metres to either side.
 fn along_line(plan: &FloorPlan, axis: Axis, line: u32, from: f64, to: f64, half: f64) -> Rect {
     let across = f64::from(line) * plan.spec.cell_size;
     let top = f64::from(plan.grid.height()) * plan.spec.cell_size;
@@ -151,7 +151,7 @@ fn along_line(plan: &FloorPlan, axis: Axis, line: u32, from: f64, to: f64, half:
     }
 }
 
-/// The width of an opening in metres, drawn for its position alone.
+/// Returns the width of an opening in metres, which is drawn for its position only.
 fn doorway_width(plan: &FloorPlan, gate: Gate) -> f64 {
     let widest = plan.spec.doorway;
     let Some(narrowest) = plan.spec.doorway_narrowest else { return widest };
@@ -164,7 +164,7 @@ fn doorway_width(plan: &FloorPlan, gate: Gate) -> f64 {
     narrowest + (widest - narrowest) * drawn
 }
 
-/// The rectangle of an opening, as thick as the wall.
+/// Returns the rectangle of an opening, as thick as the wall.
 pub(super) fn doorway_rect(plan: &FloorPlan, gate: Gate) -> Rect {
     let middle = 0.5 * f64::from(gate.at) * plan.spec.cell_size;
     let half = 0.5 * doorway_width(plan, gate);
@@ -183,7 +183,7 @@ fn doorway(plan: &FloorPlan, opening: &Opening) -> Doorway {
     Doorway { height, ..Doorway::new(Shape::from_rect(rect), true, rooms) }
 }
 
-/// The floors of hallways and open areas, in rectangles as large as a scan from the top left finds.
+/// Adds the floors of hallways and open areas, as rectangles that are as large as a scan from the top left allows.
 fn floors(plan: &FloorPlan, surfaces: &mut Vec<Surface>) {
     let grid = &plan.grid;
     let mut covered = vec![false; grid.cells().len()];
@@ -257,7 +257,7 @@ fn room(plan: &FloorPlan, i: usize, world: &mut World) {
     }));
 }
 
-/// A hallway cell, drawn; an open cell where there is no hallway.
+/// Draws a hallway cell as the start; an open cell if there are no hallways.
 fn start(plan: &FloorPlan, access: &AccessGraph) -> Option<u32> {
     let of_kind = |hallway: bool| -> Vec<u32> {
         let wanted = |kind: PlaceKind| match kind {
@@ -282,7 +282,7 @@ fn start(plan: &FloorPlan, access: &AccessGraph) -> Option<u32> {
     cells.get(drawn).copied()
 }
 
-/// Whether the robot fits somewhere in every room: one that is full has no place that could be out of reach.
+/// Whether the robot fits somewhere in every room. In a full room, no place could be out of reach.
 fn has_place_in_all(plan: &FloorPlan, access: &AccessGraph) -> bool {
     let mut has_place = vec![false; plan.rooms.len()];
     for place in access.places() {
@@ -293,7 +293,7 @@ fn has_place_in_all(plan: &FloorPlan, access: &AccessGraph) -> bool {
     has_place.into_iter().all(|has_place| has_place)
 }
 
-/// The direction of the first link of a place.
+/// Returns the direction of the first link of a place.
 fn heading(access: &AccessGraph, place: u32) -> f64 {
     let first = access.links().iter().find(|link| link.places.contains(&place));
     let Some(link) = first else { return 0.0 };
@@ -302,7 +302,7 @@ fn heading(access: &AccessGraph, place: u32) -> f64 {
     libm::atan2(along.y, along.x)
 }
 
-/// The first of the farthest places that can be reached.
+/// Returns the first of the farthest places that can be reached.
 fn farthest(distances: &[f64]) -> usize {
     let mut best = (0, -1.0);
     for (i, &distance) in distances.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The graph of a plan's places.
+//! The graph of a plan's places and the links between them.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -11,30 +11,29 @@ use crate::indoor::blueprint::FloorPlan;
 use crate::indoor::grid::Cell;
 use crate::union_find::UnionFind;
 
-/// Which places of a plan are connected: the cells of hallways and open areas, the rooms, and the
-/// links between them.
+/// The places of a plan and the links between them. Places are the cells of hallways and open areas, and the rooms.
 ///
-/// Links are those that a robot of the spec's footprint can pass. A room that its contents divide
-/// counts as several places, one without free space as none.
+/// A robot with the spec's footprint can pass every link. A room that is divided by its contents counts as several
+/// places, a room without free space as none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AccessGraph {
     places: Vec<Place>,
     links: Vec<Link>,
     rooms: u32,
-    /// Squares of four floor cells: a cycle of their links encloses nothing.
+    /// Number of squares of four floor cells. A cycle of their links encloses nothing.
     squares: u64,
 }
 
 /// A place of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Place {
-    /// What it is.
+    /// The kind of place.
     pub kind: PlaceKind,
-    /// A point in it where the footprint fits, in metres in the frame of the world.
+    /// A point in the place where the footprint fits, in metres in the frame of the world.
     pub at: DVec2,
 }
 
-/// What a place is.
+/// The kind of a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlaceKind {
@@ -56,7 +55,7 @@ pub enum PlaceKind {
     Room {
         /// Index in [`FloorPlan::rooms`].
         room: u32,
-        /// Which part, from 0.
+        /// Number of the part, counted from 0.
         part: u32,
     },
 }
@@ -64,17 +63,17 @@ pub enum PlaceKind {
 /// A connection between two places.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Link {
-    /// The places that it joins.
+    /// The places that the link joins.
     pub places: [u32; 2],
-    /// Index in [`FloorPlan::openings`] of the opening that it leads through; `None` between
-    /// neighbouring floor cells.
+    /// Index in [`FloorPlan::openings`] of the opening through which the link leads; `None` between neighbouring
+    /// floor cells.
     pub opening: Option<u32>,
     /// Length of the straight lines from place to opening to place, in metres.
     pub length: f64,
 }
 
 impl FloorPlan {
-    /// Which places are connected, for a robot of the spec's footprint.
+    /// Determines which places are connected for a robot of the spec's footprint.
     pub fn access(&self) -> AccessGraph {
         AccessGraph::new(self)
     }
@@ -128,28 +127,28 @@ impl AccessGraph {
         AccessGraph { places, links, rooms: plan.rooms.len() as u32, squares }
     }
 
-    /// The places: floor cells row by row from the top, then the rooms' parts.
+    /// Returns the places: floor cells row by row from the top, then the parts of the rooms.
     pub fn places(&self) -> &[Place] {
         &self.places
     }
 
-    /// The links between the places.
+    /// Returns the links between the places.
     pub fn links(&self) -> &[Link] {
         &self.links
     }
 
-    /// Number of connected components.
+    /// Returns the number of connected components.
     pub fn parts(&self) -> u64 {
         let sets = self.sets();
         (0..self.places.len()).filter(|&i| sets.represents(i)).count() as u64
     }
 
-    /// Number of independent cycles; going around inside an open area does not count.
+    /// Returns the number of independent cycles. Cycles inside an open area do not count.
     pub fn cycles(&self) -> u64 {
         (self.links.len() as u64 + self.parts()) - self.places.len() as u64 - self.squares
     }
 
-    /// Number of places with only one link, in hallways and open areas, and in rooms.
+    /// Returns the number of places with only one link: first in hallways and open areas, then in rooms.
     pub fn dead_ends(&self) -> [u64; 2] {
         let mut links = vec![0_u32; self.places.len()];
         self.links.iter().flat_map(|link| link.places).for_each(|i| links[i as usize] += 1);
@@ -160,7 +159,7 @@ impl AccessGraph {
         ends
     }
 
-    /// Number of openings through which each room can be entered.
+    /// Returns the number of openings through which each room can be entered.
     pub fn doors_by_room(&self) -> Vec<u32> {
         let mut doors = vec![0; self.rooms as usize];
         for place in self.links.iter().flat_map(|link| link.places) {
@@ -171,8 +170,8 @@ impl AccessGraph {
         doors
     }
 
-    /// Length of the shortest path from a place to every other, in metres, infinite where there is
-    /// none. Time: n log n in the number of places.
+    /// Returns the length of the shortest path from a place to every other place, in metres, which is infinite if
+    /// no path exists. It takes n log n steps for n places.
     pub fn distances(&self, from: u32) -> Vec<f64> {
         let mut starts = vec![0_u32; self.places.len() + 1];
         self.links.iter().flat_map(|link| link.places).for_each(|i| starts[i as usize + 1] += 1);

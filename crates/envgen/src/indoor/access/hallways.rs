@@ -7,11 +7,11 @@ use crate::union_find::UnionFind;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::indoor) struct HallwayShape {
     pub(in crate::indoor) cells: u64,
-    /// Connected components.
+    /// Number of connected components.
     pub(in crate::indoor) parts: u64,
-    /// Independent cycles: links minus cells plus parts.
+    /// Number of independent cycles: links minus cells plus parts.
     pub(in crate::indoor) cycles: u64,
-    /// Cells with one hallway neighbour or none.
+    /// Number of cells with at most one hallway neighbour.
     pub(in crate::indoor) ends: u64,
 }
 

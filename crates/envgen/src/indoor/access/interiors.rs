@@ -7,8 +7,8 @@ use crate::indoor::grid::{Cell, Gate, Grid, is_whole};
 use crate::indoor::interior::Interior;
 use crate::indoor::placed_room::PlacedRoom;
 
-/// The free space inside each room of a plan, and numbers for all its places: the floor cells first,
-/// then the parts of the rooms.
+/// The free space inside each room of a plan, and numbers for all its places: first the floor cells, then the parts
+/// of the rooms.
 #[derive(Clone, Debug)]
 pub(in crate::indoor) struct Interiors {
     interiors: Vec<Arc<Interior>>,
@@ -49,7 +49,7 @@ impl Interiors {
         &self.interiors[room]
     }
 
-    /// The places on both sides of an opening; `None` where a robot cannot enter.
+    /// Returns the places on both sides of an opening; `None` if a robot cannot enter.
     pub(in crate::indoor) fn places(
         &self,
         grid: &Grid,
@@ -71,8 +71,8 @@ impl Interiors {
         })
     }
 
-    /// The places that an opening would join, when it is possible there: whole, and with no contents right
-    /// behind it.
+    /// Returns the places that an opening would join if it is possible there: if it is whole and no contents are
+    /// right behind it.
     pub(in crate::indoor) fn leads_through(
         &self,
         grid: &Grid,

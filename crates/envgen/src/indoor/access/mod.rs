@@ -1,4 +1,4 @@
-//! Access: which places of a plan are connected.
+//! Access: the connections between the places of a plan.
 
 mod graph;
 mod hallways;

@@ -6,7 +6,7 @@ macro_rules! room {
     };
 }
 
-/// Name and text of each file.
+/// The name and the text of each file.
 pub(super) const FILES: &[(&str, &str)] = &[
     room!("dark"),
     room!("empty"),

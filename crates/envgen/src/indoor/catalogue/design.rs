@@ -1,4 +1,4 @@
-//! One room of a catalogue: its size, its difficulty and its contents.
+//! The design of a room: its size, its difficulty and its contents.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -9,27 +9,27 @@ use crate::indoor::grid::Side;
 use crate::indoor::room_placement::DESIGN_UNIT;
 use crate::world::{MAX_WHEEL_BIAS, Obstacle, Surface, Wall, is_visible_range};
 
-/// Greatest width or height of a room in cells.
+/// The greatest width and height of a room in cells.
 pub const MAX_ROOM_SIZE: u32 = 64;
 
-/// The most parts in one room.
+/// The greatest number of parts in a room.
 pub const MAX_ROOM_PARTS: usize = 10_000;
 
-/// Contents may extend this far beyond the room's edge, in metres, which allows for rounding only.
+/// Contents may extend this far beyond the room's edge, in metres, which allows only for rounding.
 const TOLERANCE: f64 = 1e-9;
 
-/// Greatest heading of a part of a room, in radians in either direction: when a quarter turn is added
-/// to a far greater one it is lost in rounding, and the part lies outside of the turned room.
+/// The greatest heading of a part of a room, in radians in either direction. If a quarter turn is added to a far
+/// greater heading, it is lost in rounding, and the part lies outside the turned room.
 const MAX_HEADING: f64 = 1e3;
 
-/// The most corners of a polygon: checking that it is convex compares all pairs.
+/// The greatest number of corners of a polygon. The check whether it is convex compares all pairs.
 const MAX_CORNERS: usize = 1000;
 
-/// A room as a `.room.ron` file holds it.
+/// The design of a room, as a `.room.ron` file contains it.
 ///
-/// Contents are in metres from the room's lower left corner, x right and y up, for cells of
-/// [`DESIGN_UNIT`]; a map with another cell size scales them. The middle lines of the walls meet at
-/// the corner, so the floor begins half a wall's thickness further in.
+/// Contents are in metres from the room's lower left corner, x right and y up, for cells of [`DESIGN_UNIT`]; a map
+/// with another cell size scales them. The centre lines of the walls meet at the corner, so the floor begins half a
+/// wall's thickness further inside.
 ///
 /// ```
 /// use envgen::geometry::Shape;
@@ -53,16 +53,16 @@ const MAX_CORNERS: usize = 1000;
 pub struct RoomDesign {
     /// The name, unique in its catalogue.
     pub name: String,
-    /// Columns that the room takes.
+    /// Number of columns that the room takes.
     pub width: u32,
-    /// Rows that the room takes.
+    /// Number of rows that the room takes.
     pub height: u32,
     /// Difficulty on the scale from 0 to 10.
     pub difficulty: f64,
-    /// Why it is this difficult.
+    /// The reason why it has this difficulty.
     #[serde(default)]
     pub reason: String,
-    /// Whether there is light.
+    /// Whether the room is lit.
     #[serde(default = "lit")]
     pub lit: bool,
     /// Walls inside the room.
@@ -74,7 +74,7 @@ pub struct RoomDesign {
     /// Surfaces that change how a robot drives.
     #[serde(default)]
     pub surfaces: Vec<Surface>,
-    /// Poses of people to be found.
+    /// Poses of victims: people that robots should find.
     #[serde(default)]
     pub victims: Vec<Pose>,
 }
@@ -83,17 +83,17 @@ fn lit() -> bool {
     true
 }
 
-/// What files of plans call a piece of hallway.
+/// The name of a piece of hallway in files of plans.
 pub(in crate::indoor) const HALLWAY_NAME: &str = "hallway";
 
-/// Why a room is refused.
+/// The reasons why a room is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RoomError {
     /// The name is empty.
     #[error("a room has no name")]
     Unnamed,
-    /// The name is that of hallways in files, or holds characters that files cannot.
+    /// The name is that of hallways in files, or contains characters that files cannot hold.
     #[error(
         "a room cannot be named {name:?}: it must be other than `{HALLWAY_NAME}`, without control characters"
     )]
@@ -106,36 +106,36 @@ pub enum RoomError {
         "width and height of room `{name}` must be 1 to {MAX_ROOM_SIZE} cells, got {width} by {height}"
     )]
     Size {
-        /// The room.
+        /// The room's name.
         name: String,
-        /// Its columns.
+        /// The room's number of columns.
         width: u32,
-        /// Its rows.
+        /// The room's number of rows.
         height: u32,
     },
     /// The difficulty is out of range or not a number.
     #[error("`difficulty` of room `{name}` must be a number from 0 to 10, got {difficulty}")]
     Difficulty {
-        /// The room.
+        /// The room's name.
         name: String,
-        /// Its difficulty.
+        /// The room's difficulty.
         difficulty: f64,
     },
-    /// Something in the room has a size that is not positive, a number that is not finite, or a
-    /// polygon that is not convex and counter-clockwise.
+    /// A part of the room has a size that is not positive, a number that is not finite, or a polygon that is not
+    /// convex and counter-clockwise.
     #[error("room `{name}`: {part} is not {wanted}")]
     Part {
-        /// The room.
+        /// The room's name.
         name: String,
         /// The part, such as `obstacle 3`.
         part: String,
-        /// What it must be.
+        /// What the part must be.
         wanted: &'static str,
     },
-    /// Something lies outside the room.
+    /// A part lies outside the room.
     #[error("room `{name}`: {part} reaches outside the room of {width} by {height} m")]
     Outside {
-        /// The room.
+        /// The room's name.
         name: String,
         /// The part, such as `obstacle 3`.
         part: String,
@@ -147,15 +147,15 @@ pub enum RoomError {
     /// There are too many parts in the room.
     #[error("room `{name}` must hold at most {MAX_ROOM_PARTS} parts, got {count}")]
     TooMany {
-        /// The room.
+        /// The room's name.
         name: String,
-        /// How many there are.
+        /// Number of parts in the room.
         count: usize,
     },
 }
 
 impl RoomDesign {
-    /// A room without contents.
+    /// Creates a room without contents.
     pub fn bare(name: &str, width: u32, height: u32, difficulty: f64) -> Self {
         RoomDesign {
             name: name.to_owned(),
@@ -171,7 +171,7 @@ impl RoomDesign {
         }
     }
 
-    /// The room without walls, obstacles and surfaces.
+    /// Returns the room without its walls, obstacles and surfaces.
     pub fn emptied(&self) -> Self {
         RoomDesign {
             walls: Vec::new(),
@@ -181,7 +181,7 @@ impl RoomDesign {
         }
     }
 
-    /// Cells along a side.
+    /// Returns the number of cells along a side.
     pub fn side_length(&self, side: Side) -> u32 {
         match side {
             Side::North | Side::South => self.width,
@@ -189,12 +189,12 @@ impl RoomDesign {
         }
     }
 
-    /// Width and height in metres, from the middles of the walls.
+    /// Returns the width and height in metres, measured between the centre lines of the walls.
     pub fn size(&self) -> DVec2 {
         DVec2::new(f64::from(self.width), f64::from(self.height)) * DESIGN_UNIT
     }
 
-    /// Everything that a robot cannot drive on: walls, obstacles, water, and surfaces of speed 0.
+    /// Returns everything on which a robot cannot drive: walls, obstacles, water, and surfaces of speed 0.
     pub fn barriers(&self) -> impl Iterator<Item = &Shape> {
         let walls = self.walls.iter().map(|wall| &wall.shape);
         let obstacles = self.obstacles.iter().map(|obstacle| &obstacle.shape);
@@ -202,10 +202,10 @@ impl RoomDesign {
         walls.chain(obstacles).chain(surfaces)
     }
 
-    /// Checks sizes, numbers and that everything lies in the room.
+    /// Checks sizes and numbers, and that all parts lie in the room.
     ///
     /// # Errors
-    /// The first rule that the room breaks.
+    /// Returns the first rule that the room breaks.
     pub fn validate(&self) -> Result<(), RoomError> {
         let name = || self.name.clone();
         if self.name.trim().is_empty() {

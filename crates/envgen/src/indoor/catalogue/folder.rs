@@ -1,4 +1,4 @@
-//! Rooms from a user's folder.
+//! Rooms from files in a user's folder.
 
 use std::fs;
 use std::io;
@@ -8,13 +8,13 @@ use thiserror::Error;
 
 use super::{Catalogue, CatalogueError, MAX_ROOMS, RoomDesign, RoomError, room_from_ron};
 
-/// Greatest size of a room file in bytes.
+/// The greatest size of a room file in bytes.
 const MAX_FILE: u64 = 4 << 20;
 
-/// How the name of a room file ends.
+/// The ending of the name of a room file.
 const ENDING: &str = ".room.ron";
 
-/// Why a folder of rooms could not be read.
+/// The reasons why a folder of rooms could not be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FolderError {
@@ -42,15 +42,15 @@ pub enum FolderError {
     TooLong {
         /// The file.
         path: PathBuf,
-        /// Its size.
+        /// The file's size in bytes.
         bytes: u64,
     },
-    /// A file holds a room that is not sound.
+    /// A file contains an invalid room.
     #[error("{path}: {source}")]
     Room {
         /// The file.
         path: PathBuf,
-        /// The rule that it breaks.
+        /// The rule that the room breaks.
         source: RoomError,
     },
     /// The rooms together do not make a catalogue.
@@ -64,7 +64,7 @@ pub enum FolderError {
 }
 
 impl Catalogue {
-    /// Reads every `*.room.ron` file of a folder, in the order of their names.
+    /// Reads every `*.room.ron` file of a folder, in the order of the file names.
     ///
     /// ```no_run
     /// use envgen::indoor::{Catalogue, IndoorSpec};
@@ -75,14 +75,14 @@ impl Catalogue {
     /// ```
     ///
     /// # Errors
-    /// Names the file that is not a sound room, or the folder when its rooms do not go together.
+    /// Names the file that does not contain a valid room, or the folder if its rooms do not make a catalogue.
     pub fn read_folder(folder: &Path) -> Result<Catalogue, FolderError> {
         let rooms = read_rooms(folder)?;
         Catalogue::new(rooms)
             .map_err(|source| FolderError::Catalogue { path: folder.to_owned(), source })
     }
 
-    /// This catalogue with the rooms of a folder, as [`Catalogue::with`] joins them.
+    /// Returns this catalogue with the rooms of a folder, joined as by [`Catalogue::with`].
     ///
     /// # Errors
     /// As [`Catalogue::read_folder`].

@@ -1,4 +1,4 @@
-//! The rooms that a map may hold.
+//! Catalogues: the rooms that a map may contain.
 
 mod builtin;
 pub(super) mod design;

@@ -4,10 +4,10 @@ use ron::extensions::Extensions;
 
 use super::RoomDesign;
 
-/// Reads the text of a `.room.ron` file; the room is not checked yet, see [`RoomDesign::validate`].
+/// Reads the text of a `.room.ron` file. It does not check the room; see [`RoomDesign::validate`].
 ///
 /// # Errors
-/// Line and column of the mistake.
+/// Names the line and column of the mistake.
 pub fn room_from_ron(text: &str) -> Result<RoomDesign, Box<ron::error::SpannedError>> {
     room_options().from_str(text).map_err(Box::new)
 }

@@ -1,4 +1,4 @@
-//! Rooms with distinct names.
+//! Lists of rooms with distinct names.
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, LazyLock};
@@ -8,17 +8,17 @@ use thiserror::Error;
 
 use super::{RoomDesign, RoomError, SharedRoom, builtin, room_from_ron};
 
-/// Most rooms in a catalogue.
+/// The greatest number of rooms in a catalogue.
 pub const MAX_ROOMS: usize = 10_000;
 
-/// Why rooms do not make a catalogue.
+/// The reasons why rooms do not make a catalogue.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CatalogueError {
-    /// A room is refused.
+    /// A room is invalid.
     #[error(transparent)]
     Room(#[from] RoomError),
-    /// Two rooms have one name.
+    /// Two rooms have the same name.
     #[error("there are two rooms with the name `{0}`")]
     Duplicate(String),
     /// There are no rooms, or too many.
@@ -26,18 +26,18 @@ pub enum CatalogueError {
     Count(usize),
 }
 
-/// A list of rooms with distinct names, cheap to clone. It serialises to the list of its rooms, so
-/// that a spec with a catalogue of its own is complete.
+/// A list of rooms with distinct names, which is cheap to clone. It serialises to the list of its rooms, so that a
+/// spec with its own catalogue is complete.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Catalogue {
     rooms: Arc<[SharedRoom]>,
 }
 
 impl Catalogue {
-    /// A catalogue of these rooms, in this order.
+    /// Creates a catalogue of the given rooms, in this order.
     ///
     /// # Errors
-    /// When there is no room, two have one name, or one is not sound.
+    /// When there are no rooms, when two have the same name, or when one is invalid.
     pub fn new(rooms: impl IntoIterator<Item = RoomDesign>) -> Result<Self, CatalogueError> {
         let mut names = BTreeSet::new();
         let mut shared = Vec::new();
@@ -56,7 +56,7 @@ impl Catalogue {
         Ok(Catalogue { rooms: shared.into() })
     }
 
-    /// The 20 rooms of Zwennes' appendix A, in its order of difficulty.
+    /// Returns the 20 rooms of Zwennes' appendix A, in its order of difficulty.
     ///
     /// ```
     /// use envgen::indoor::Catalogue;
@@ -79,21 +79,21 @@ impl Catalogue {
         &BUILTIN
     }
 
-    /// The rooms, in order.
+    /// Returns the rooms, in order.
     pub fn rooms(&self) -> &[SharedRoom] {
         &self.rooms
     }
 
-    /// The room with a name.
+    /// Returns the room with a name.
     pub fn get(&self, name: &str) -> Option<&SharedRoom> {
         self.rooms.iter().find(|room| room.name == name)
     }
 
-    /// This catalogue with further rooms: a room whose name exists already replaces that room, the
-    /// others are appended.
+    /// Returns this catalogue with further rooms. A room whose name already exists replaces that room; the others
+    /// are appended.
     ///
     /// # Errors
-    /// As [`Catalogue::new`] for the further rooms, and when there are too many together.
+    /// As [`Catalogue::new`] for the further rooms, and when there are too many rooms in total.
     pub fn with(
         &self,
         rooms: impl IntoIterator<Item = RoomDesign>,

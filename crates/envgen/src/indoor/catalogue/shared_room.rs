@@ -1,4 +1,4 @@
-//! A room that is shared between maps, with what was computed for it.
+//! Rooms that are shared between maps, with data that was computed for them.
 
 use std::fmt;
 use std::ops::Deref;
@@ -11,33 +11,33 @@ use crate::indoor::dimensions::Dimensions;
 use crate::indoor::grid::Side;
 use crate::indoor::interior::{self, Interior};
 
-/// Distinct dimensions for which a room remembers its free space.
+/// The number of distinct dimensions for which a room caches its free space.
 const REMEMBERED: usize = 4;
 
-/// The sets of doorways for which a room caches its cleared version, and the parts in all of these.
+/// The number of sets of doorways for which a room caches its cleared version, and the number of parts in all of these.
 const REMEMBERED_CLEARED: (usize, usize) = (256, 1 << 16);
 
-/// A room that has passed its checks, cheap to clone.
+/// A room that has passed its checks. It is cheap to clone.
 #[derive(Clone)]
 pub struct SharedRoom(Arc<Inner>);
 
 struct Inner {
     design: RoomDesign,
-    /// The cache of [`SharedRoom::interior`]; it changes no result.
+    /// The cache of [`SharedRoom::interior`], which does not change any result.
     interiors: Mutex<Vec<(Dimensions, Arc<Interior>)>>,
-    /// The cache of [`SharedRoom::cleared`]; it changes no result.
+    /// The cache of [`SharedRoom::cleared`], which does not change any result.
     cleared: Mutex<Vec<(Doorways, Option<SharedRoom>)>>,
-    /// The room before it was cleared, and the doorways that it was cleared for.
+    /// The room before it was cleared, and the doorways for which it was cleared.
     before: Option<(Weak<Inner>, Places)>,
 }
 
-/// Positions of doorways in the unturned room, in order.
+/// Positions of doorways in the unturned room, sorted.
 type Places = Vec<(Side, u32)>;
 
-/// The positions, and the dimensions that apply there.
+/// The positions of doorways, and the dimensions that apply there.
 type Doorways = (Places, Dimensions);
 
-/// As its design.
+/// Serialises the room as its design.
 impl Serialize for SharedRoom {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.0.design.serialize(serializer)
@@ -51,17 +51,17 @@ impl<'de> Deserialize<'de> for SharedRoom {
 }
 
 impl SharedRoom {
-    /// Checks a room.
+    /// Checks a room and wraps it.
     ///
     /// # Errors
-    /// The first rule that the room breaks.
+    /// Returns the first rule that the room breaks.
     pub fn new(design: RoomDesign) -> Result<Self, RoomError> {
         design.validate()?;
         let (interiors, cleared) = Default::default();
         Ok(SharedRoom(Arc::new(Inner { design, interiors, cleared, before: None })))
     }
 
-    /// The free space inside the room, computed once for the same dimensions.
+    /// Returns the free space inside the room, which is cached for some dimensions.
     ///
     /// # Panics
     /// As [`Interior::new`].
@@ -78,8 +78,8 @@ impl SharedRoom {
         interior
     }
 
-    /// The room without the contents that block a doorway in a side, `at` half cells from its
-    /// left or upper end; `None` when the doorway could not be used even so.
+    /// Returns the room without the contents that block a doorway in a side, `at` half cells from its left or upper
+    /// end; `None` if the doorway could still not be used.
     pub(in crate::indoor) fn cleared(
         &self,
         side: Side,

@@ -9,8 +9,8 @@ use crate::indoor::placed_room::PlacedRoom;
 use crate::world::{Contents, Obstacle, PartId, PartKind};
 
 impl FloorPlan {
-    /// The room and its object that an obstacle of the plan's world is; `None` for those that no room has, such as
-    /// crates of the setting `clutter`.
+    /// Returns the indices of the room and of its object that an obstacle of the plan's world is; `None` for an
+    /// obstacle that belongs to no room, such as a crate of the setting `clutter`.
     pub fn object_of(&self, part: PartId) -> Option<(usize, usize)> {
         let mut left = (part.kind == PartKind::Obstacle).then_some(part.index as usize)?;
         for (i, room) in self.rooms.iter().enumerate() {
@@ -22,7 +22,7 @@ impl FloorPlan {
         None
     }
 
-    /// An object of a room, with its shape in metres in the frame of the world.
+    /// Returns an object of a room, with its shape in metres in the frame of the world.
     pub fn object(&self, room: usize, object: usize) -> Option<Obstacle> {
         let found = self.rooms.get(room)?.room.obstacles.get(object)?;
         Some(Obstacle { shape: self.design_placement(room).shape(&found.shape), ..*found })
@@ -88,7 +88,7 @@ impl PlanEditor {
         (object < count).then_some(()).ok_or_else(missing)
     }
 
-    /// Replaces a room by one of other contents; rooms of one design share it.
+    /// Replaces a room by one with other contents. Rooms of the same design share it.
     fn furnish(
         &mut self,
         room: usize,

@@ -1,4 +1,4 @@
-//! What is at a point of a plan.
+//! The parts of a plan that can be edited, and queries for those at a point.
 
 use glam::DVec2;
 
@@ -25,13 +25,13 @@ pub enum PlanTarget {
     Object {
         /// Index of the room in [`FloorPlan::rooms`].
         room: usize,
-        /// Its index in the room's obstacles.
+        /// Index of the object in the room's obstacles.
         object: usize,
     },
 }
 
 impl FloorPlan {
-    /// The column and row of the cell at a point in metres in the frame of the world; `None` outside of the grid.
+    /// Returns the column and row of the cell at a point in metres in the frame of the world; `None` outside the grid.
     pub fn cell_at(&self, p: DVec2) -> Option<(u32, u32)> {
         let cells = self.in_cells(p);
         let size = DVec2::new(f64::from(self.grid.width()), f64::from(self.grid.height()));
@@ -39,14 +39,15 @@ impl FloorPlan {
         is_inside.then_some((cells.x as u32, cells.y as u32))
     }
 
-    /// The columns and rows from the upper left corner of the grid to a point.
+    /// Returns the position of a point in columns and rows from the upper left corner of the grid.
     pub(super) fn in_cells(&self, p: DVec2) -> DVec2 {
         let cells = p / self.spec.cell_size;
         DVec2::new(cells.x, f64::from(self.grid.height()) - cells.y)
     }
 
-    /// What can be edited at a point in metres in the frame of the world: an object, an opening of which it is not
-    /// farther than `reach`, or what its cell is. `None` on open areas, on solid ground and outside.
+    /// Returns the part that can be edited at a point in metres in the frame of the world: an object, an opening
+    /// within a distance of `reach`, or the room or hallway of the cell. `None` on open areas, on solid ground and
+    /// outside the grid.
     pub fn target_at(&self, p: DVec2, reach: f64) -> Option<PlanTarget> {
         let (x, y) = self.cell_at(p)?;
         let cell = self.grid.at(x, y);
@@ -72,7 +73,7 @@ impl FloorPlan {
         })
     }
 
-    /// The outline of a part in metres in the frame of the world; `None` if there is no such part.
+    /// Returns the outline of a part in metres in the frame of the world; `None` if the part does not exist.
     pub fn outline(&self, target: PlanTarget) -> Option<Shape> {
         match target {
             PlanTarget::Room(room) => {
@@ -90,7 +91,7 @@ impl FloorPlan {
         }
     }
 
-    /// The outline of a rectangle of cells, in the grid or outside of it.
+    /// Returns the outline of a rectangle of cells, inside or outside the grid.
     pub fn cells_outline(&self, x: u32, y: u32, (width, height): (u32, u32)) -> Shape {
         let right = f64::from(x) + f64::from(width);
         let bottom = f64::from(y) + f64::from(height);
@@ -98,7 +99,7 @@ impl FloorPlan {
         Shape::from_rect(Rect::new(min, max))
     }
 
-    /// The outline that an opening has, or would have if it were open.
+    /// Returns the outline of an opening, whether it exists or not.
     pub fn doorway_outline(&self, gate: Gate) -> Shape {
         Shape::from_rect(world::doorway_rect(self, gate))
     }

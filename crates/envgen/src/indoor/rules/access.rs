@@ -1,4 +1,4 @@
-//! The repair of the profile `guaranteed`: every place can be reached.
+//! The repair of the profile `guaranteed`, after which every place can be reached.
 
 use std::collections::BTreeMap;
 
@@ -10,20 +10,19 @@ use crate::seed::Stream;
 use crate::union_find::UnionFind;
 use crate::world::Contents;
 
-/// A place for a further doorway, and the places that it would join.
+/// A position for a further doorway, and the places that it would join.
 struct Candidate {
     gate: Gate,
     places: [usize; 2],
-    /// Whether it is the middle of a room's side.
+    /// Whether the position is the middle of a room's side.
     middle: bool,
 }
 
 /// Adds doorways until every floor cell and every part of a room is connected to the hallways.
 ///
-/// In each round every unreachable component that borders on the reachable one gets a doorway, drawn
-/// among the middles of sides where possible, else among all positions that are whole. Where contents
-/// block every position, the rooms concerned are emptied; few or none are, if every part of each room
-/// touches several sides.
+/// In each round, every unreachable component that borders on the reachable one gets a doorway, drawn among the
+/// middles of sides if possible, otherwise among all positions where it is whole. If contents block every position,
+/// the rooms concerned are emptied. Few or no rooms are emptied if every part of each room touches several sides.
 pub(in crate::indoor) fn repair(
     grid: &Grid,
     rooms: &mut [PlacedRoom],
@@ -42,7 +41,7 @@ pub(in crate::indoor) fn repair(
     }
 }
 
-/// Adds doorways; returns the rooms that hold, or border on, places that stay unreached.
+/// Adds doorways; returns the rooms that contain, or border on, places that remain unreached.
 fn connect(
     grid: &Grid,
     rooms: &[PlacedRoom],
@@ -131,7 +130,7 @@ fn connect(
     unreached
 }
 
-/// Every position for a doorway between components that are not connected yet, each once.
+/// Returns every position for a doorway between components that are not connected yet, each once.
 fn candidates(
     grid: &Grid,
     rooms: &[PlacedRoom],
@@ -167,8 +166,8 @@ fn furnished(room: &PlacedRoom) -> bool {
     room.contents != Contents::Emptied
 }
 
-/// Removes the contents of rooms, or of their neighbours when they have none; returns whether there
-/// were any left to remove.
+/// Removes the contents of rooms, or those of their neighbours if they have none; returns whether there were any
+/// contents to remove.
 fn empty(grid: &Grid, rooms: &mut [PlacedRoom], unreached: &[usize]) -> bool {
     let mut which: Vec<usize> =
         unreached.iter().copied().filter(|&i| furnished(&rooms[i])).collect();

@@ -1,11 +1,11 @@
-//! `preventCycles` (fifth adaptation): horizontal hallways are cut beside the vertical ones.
+//! The rule `preventCycles` (fifth adaptation): horizontal hallways are cut beside the vertical ones.
 
 use crate::indoor::grid::{Cell, Grid};
 use crate::seed::Stream;
 
-/// For each column x with x mod `horizontal` = `horizontal` - 1, removes the hallway pieces where a
-/// horizontal hallway crosses it, and restores one of them. The result is a tree. Returns the
-/// removed cells: a room may take them.
+/// For each column x with x mod `horizontal` = `horizontal` - 1, removes the hallway cells where a horizontal
+/// hallway crosses it, and restores one of them. The result is a tree. Returns the removed cells, which a room may
+/// take.
 pub(in crate::indoor) fn prevent(
     grid: &mut Grid,
     horizontal: u32,

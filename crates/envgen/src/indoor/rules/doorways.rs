@@ -1,4 +1,4 @@
-//! `doorwayRule` with the third adaptation: every side of every room draws a doorway.
+//! The rule `doorwayRule` with the third adaptation: every side of every room draws a doorway.
 
 use crate::indoor::access::Interiors;
 use crate::indoor::dimensions::Dimensions;
@@ -10,14 +10,14 @@ use crate::seed::Stream;
 pub(in crate::indoor) struct Drawn {
     /// The openings, sorted and without duplicates.
     pub(in crate::indoor) openings: Vec<Opening>,
-    /// Drawn sides that stayed closed: behind them is the outer wall or a solid cell.
+    /// Number of drawn sides that stayed closed because the outer wall or a solid cell is behind them.
     pub(in crate::indoor) closed: u64,
 }
 
-/// Draws once for every side, whatever lies behind it, and opens the wall in the middle of the
-/// side. Where half a doorway or none would be free it is moved to the nearest position where it is whole.
-/// With `dimensions` the contents count too: a doorway moves to where no contents block it, and where
-/// there is no such position, the contents are removed.
+/// Draws once for every side, whatever lies behind it, and opens the wall in the middle of the side. If only half
+/// of a doorway or none of it would be free there, the doorway is moved to the nearest position where it is whole.
+/// With `dimensions`, the contents count as well: a doorway is moved to a position where no contents block it; if
+/// there are no such positions, the contents are removed.
 pub(in crate::indoor) fn place(
     grid: &Grid,
     rooms: &mut [PlacedRoom],
@@ -58,8 +58,8 @@ pub(in crate::indoor) fn place(
     drawn
 }
 
-/// The position in a side, nearest to its middle, that `usable` accepts. Positions beside the middle
-/// count where half a doorway can be free: between two cells, or anywhere.
+/// Returns the position in a side, nearest to its middle, that `usable` accepts. Positions beside the middle are
+/// tried if half a doorway can be free: between two cells, or anywhere.
 fn nearest(
     room: &PlacedRoom,
     side: Side,
@@ -80,7 +80,7 @@ fn nearest(
         .map(|gate| Opening { gate, origin: Origin::Shifted })
 }
 
-/// Removes what blocks a drawn doorway, nearest to the middle of its side.
+/// Removes the contents that block a drawn doorway, nearest to the middle of its side.
 fn clear(
     grid: &Grid,
     rooms: &mut [PlacedRoom],

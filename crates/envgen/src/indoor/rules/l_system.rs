@@ -1,20 +1,18 @@
-//! The second hallway layout: a net that branches, grown by an L-system.
+//! The second hallway layout: a branching network, grown by an L-system.
 //!
-//! Zwennes' conclusion is that "the generator could only generate one type of hallway layout", and
-//! his future work names L-systems, as Parish and Müller (Procedural modeling of cities, SIGGRAPH
-//! 2001, <https://doi.org/10.1145/383259.383292>) use them for streets. The system here is theirs in small. Its alphabet is F(n), a hallway
-//! of n cells, A, a tip that grows, and the turtle's + - [ ]; a straight hallway through the map is
-//! the axiom, and a tip is rewritten as
+//! Zwennes' conclusion is that "the generator could only generate one type of hallway layout", and his future work
+//! names L-systems, as Parish and Müller (Procedural modeling of cities, SIGGRAPH 2001,
+//! <https://doi.org/10.1145/383259.383292>) use them for streets. This is a small version of their system. Its
+//! alphabet is F(n), a hallway of n cells; A, a tip that grows; and the turtle's + - [ ]. The axiom is a straight
+//! hallway through the map, and a tip is rewritten as
 //!
 //! ```text
 //! A -> F(n) A  |  F(n) [+A] A  |  F(n) [-A] A  |  F(n) [+A] [-A] A
 //! ```
-//!
-//! each bracket with the probability `branching` (the axiom has one for sure, unless that is 0), n
-//! about the distance between hallways that the
-//! difficulty gives. The environment limits what F draws: it ends at the map's edge, and where it
-//! meets another hallway it joins it with the same probability, if loops are allowed, or ends one
-//! cell before.
+//! where each bracket occurs with the probability `branching` (in the axiom one occurs for sure, unless that
+//! probability is 0), and n is about the distance between hallways that the difficulty gives. The environment
+//! limits the hallway that F draws: it ends at the map's edge. If it meets another hallway, it joins that hallway
+//! with the same probability, if loops are allowed, or ends one cell before it.
 
 use std::collections::VecDeque;
 
@@ -28,11 +26,11 @@ pub(in crate::indoor) struct Law {
     pub(in crate::indoor) spacing: [u32; 2],
     /// Probability of each branch, and of a loop where two hallways meet.
     pub(in crate::indoor) branching: f64,
-    /// Whether hallways may join and so close a loop.
+    /// Whether hallways may join and thus close a loop.
     pub(in crate::indoor) loops: bool,
 }
 
-/// A tip: where it is and where it grows.
+/// A growing tip, with its position and direction.
 #[derive(Clone, Copy)]
 struct Tip {
     x: u32,
@@ -43,8 +41,8 @@ struct Tip {
 /// A step in cells, y down.
 type Direction = (i32, i32);
 
-/// Grows a connected net. Every rewriting fills a cell or ends its tip, so that it stops after at
-/// most one step a cell.
+/// Grows a connected network. Every rewriting step fills a cell or ends its tip, so that the growth stops after at
+/// most one step per cell.
 pub(in crate::indoor) fn grow(grid: &mut Grid, law: &Law, stream: &mut Stream) {
     // The axiom: from a cell in the middle half of the map, in both directions.
     let middle = |size: u32, stream: &mut Stream| {
@@ -72,7 +70,7 @@ pub(in crate::indoor) fn grow(grid: &mut Grid, law: &Law, stream: &mut Stream) {
     }
 }
 
-/// The two tips to the sides of a hallway.
+/// Returns the two tips at the sides of a hallway.
 fn tips_at(x: u32, y: u32, (dx, dy): Direction) -> [Tip; 2] {
     [(dy, -dx), (-dy, dx)].map(|direction| Tip { x, y, direction })
 }
@@ -85,7 +83,7 @@ fn branch(tips: &mut VecDeque<Tip>, sides: [Tip; 2], law: &Law, stream: &mut Str
     }
 }
 
-/// Draws F(n); returns the tip after it, or `None` when the hallway ended.
+/// Draws F(n); returns the tip at its end, or `None` if the hallway ended.
 fn draw(grid: &mut Grid, tip: Tip, length: u32, law: &Law, stream: &mut Stream) -> Option<Tip> {
     let mut tip = tip;
     for _ in 0..length {

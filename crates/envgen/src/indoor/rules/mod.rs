@@ -1,11 +1,11 @@
 //! The rules that fill the grid, one file per rule.
 //!
-//! | in this order | rule, and the thesis's adaptation of it |
+//! | order of the rules | rule, and the thesis's adaptation of it |
 //! |---|---|
-//! | `hallways`, or `l_system` | hallways a distance apart; first adaptation: the distance, in [`super::adaptation`] |
+//! | `hallways`, or `l_system` | hallways at a distance; first adaptation: that distance, in [`super::adaptation`] |
 //! | `cycles` | fifth adaptation: fewer cycles |
 //! | `rooms` | fourth adaptation: rooms by their difficulty |
-//! | `open_areas` | second adaptation: what stays empty is open |
+//! | `open_areas` | second adaptation: cells that remain empty become open area |
 //! | `doorways` | third adaptation: doorways by probability |
 //! | `access` | not in the thesis: every place can be reached |
 

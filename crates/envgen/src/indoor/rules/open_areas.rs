@@ -1,9 +1,9 @@
-//! The second adaptation: what the rooms leave empty becomes open area.
+//! The second adaptation: cells that the rooms leave empty become open area.
 
 use crate::indoor::grid::{Cell, Grid};
 
-/// Turns every solid cell into open area, except those that cycle prevention took from the
-/// hallways and no room took: they stay solid, or the cycles would close again.
+/// Turns every solid cell into open area, except cells that the prevention of cycles took from the hallways and no
+/// room took. These remain solid, because otherwise the cycles would close again.
 pub(in crate::indoor) fn fill(grid: &mut Grid, removed: &[(u32, u32)]) {
     let blocked: Vec<usize> = removed
         .iter()

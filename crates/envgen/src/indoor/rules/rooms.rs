@@ -1,4 +1,4 @@
-//! `roomRule` with the fourth adaptation: rooms are drawn by how near their difficulty is.
+//! The rule `roomRule` with the fourth adaptation: rooms are drawn by how near their difficulty is to that of the map.
 
 use crate::indoor::catalogue::SharedRoom;
 use crate::indoor::grid::{Cell, Grid, Sides};
@@ -6,11 +6,11 @@ use crate::indoor::placed_room::PlacedRoom;
 use crate::seed::Stream;
 use crate::world::Contents;
 
-/// Which rooms may be placed, and how.
+/// The rooms that may be placed, and how they are placed.
 pub(in crate::indoor) struct Choice<'a> {
     /// The allowed rooms.
     pub(in crate::indoor) rooms: &'a [SharedRoom],
-    /// The probability of each.
+    /// The probability of each allowed room.
     pub(in crate::indoor) probabilities: &'a [f64],
     /// Whether rooms that are not square may be turned by a quarter.
     pub(in crate::indoor) turn: bool,
@@ -22,8 +22,8 @@ pub(in crate::indoor) struct Placed {
     pub(in crate::indoor) first_choice: Vec<u64>,
 }
 
-/// Fills the solid cells column by column. After a column it advances by the widest room placed
-/// there: the cells in between stay empty, which is the paper's source of open areas.
+/// Fills the solid cells column by column. After a column, it advances by the widest room placed there. The cells
+/// in between remain empty; they are the source of the paper's open areas.
 pub(in crate::indoor) fn place(
     grid: &mut Grid,
     choice: &Choice<'_>,

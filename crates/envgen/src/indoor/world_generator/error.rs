@@ -1,18 +1,18 @@
-//! Why a file of the World Generator cannot be read.
+//! Errors of reading files of the World Generator.
 
 use thiserror::Error;
 
-/// The longest text that is read, in bytes.
+/// The greatest length of a text that is read, in bytes.
 pub const MAX_TEXT: usize = 64 << 20;
 
-/// Why a file of the World Generator could not be read.
+/// The reasons why a file of the World Generator could not be read.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum WorldGeneratorError {
     /// The text is longer than any file of the tool.
     #[error("the text must have at most {MAX_TEXT} bytes, got {0}")]
     TooLong(usize),
-    /// The text is not well-formed XML, or ends early.
+    /// The text is not well-formed XML, or it ends early.
     #[error("not XML at byte {position}: {reason}")]
     Xml {
         /// The position in bytes.
@@ -20,7 +20,7 @@ pub enum WorldGeneratorError {
         /// The reason.
         reason: String,
     },
-    /// The document declares a type or entities, which these files never do.
+    /// The document declares a type or entities, which files of the tool never do.
     #[error("a document type at byte {0}, which these files must not have")]
     DocumentType(u64),
     /// The root is a different element.
@@ -31,12 +31,12 @@ pub enum WorldGeneratorError {
         /// The expected name.
         expected: &'static str,
     },
-    /// An element has no such attribute, or one that is not allowed.
+    /// An element lacks a required attribute, or an attribute has a value that is not allowed.
     #[error("`{element}` {number}: `{attribute}` must be {allowed}, got {value}")]
     Attribute {
         /// The element's name.
         element: &'static str,
-        /// Which of its kind, from 1.
+        /// The number of the element among those of its kind, counted from 1.
         number: usize,
         /// The attribute's name.
         attribute: &'static str,
@@ -48,32 +48,32 @@ pub enum WorldGeneratorError {
     /// Neither the catalogue nor the library has the room.
     #[error("room {number}, `{name}`, is neither in the catalogue nor in a library")]
     UnknownRoom {
-        /// Which room, from 1.
+        /// The number of the room, counted from 1.
         number: usize,
-        /// Its name.
+        /// The room's name.
         name: String,
     },
     /// A room extends beyond the world.
     #[error("room {number}, `{name}`, reaches outside the world")]
     Outside {
-        /// Which room, from 1.
+        /// The number of the room, counted from 1.
         number: usize,
-        /// Its name.
+        /// The room's name.
         name: String,
     },
     /// Two rooms overlap.
     #[error("room {number}, `{name}`, overlaps another at x {x}, y {y}")]
     Overlap {
-        /// Which room, from 1.
+        /// The number of the room, counted from 1.
         number: usize,
-        /// Its name.
+        /// The room's name.
         name: String,
-        /// Row of the first cell that both have.
+        /// Row of the first cell that both rooms have.
         x: u32,
-        /// Column of the first cell that both have.
+        /// Column of the first cell that both rooms have.
         y: u32,
     },
-    /// A library describes one room twice.
+    /// A library describes a room twice.
     #[error("the library has two rooms with the name `{0}`")]
     Duplicate(String),
 }

@@ -13,25 +13,25 @@ use crate::xml_text::allowed;
 /// The name of a piece of hallway.
 pub const HALLWAY: &str = HALLWAY_NAME;
 
-/// A room of a library: its size is known, its contents are in another file.
+/// A room of a library. Its size is known; its contents are in another file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LibraryRoom {
     /// The name.
     pub name: String,
-    /// The file that holds the room's shape.
+    /// The name of the file that contains the room's shape.
     pub src: String,
-    /// Rows that it takes.
+    /// Number of rows that it takes.
     pub depth: u32,
-    /// Columns that it takes.
+    /// Number of columns that it takes.
     pub width: u32,
-    /// Storeys that it takes.
+    /// Number of storeys that it takes.
     pub height: u32,
-    /// The group that the tool lists it under.
+    /// The group in which the tool lists it.
     pub tag: String,
 }
 
 impl LibraryRoom {
-    /// The room as far as it is known: bare, with the difficulty 0.
+    /// Returns a room of this size without contents, with the difficulty 0.
     pub fn to_design(&self) -> RoomDesign {
         RoomDesign::bare(&self.name, self.width, self.depth, 0.0)
     }
@@ -40,7 +40,7 @@ impl LibraryRoom {
 /// Reads a library.
 ///
 /// # Errors
-/// When the text is not the XML of a library, or two rooms have one name.
+/// When the text is not the XML of a library, or when two rooms have the same name.
 pub fn read_library(text: &str) -> Result<Vec<LibraryRoom>, WorldGeneratorError> {
     let (mut document, _) = Flat::open(text, "roomList")?;
     let mut names = BTreeSet::new();
@@ -86,8 +86,8 @@ pub fn read_library(text: &str) -> Result<Vec<LibraryRoom>, WorldGeneratorError>
     Ok(rooms)
 }
 
-/// Writes the rooms of a catalogue, and the hallway, as a library. Each room's file is its name with
-/// the ending `.room.ron`, its tag `envgen`.
+/// Writes the rooms of a catalogue, and the hallway, as a library. The file of each room is its name with the
+/// ending `.room.ron`; its tag is `envgen`.
 ///
 /// # Errors
 /// When writing fails.

@@ -1,14 +1,14 @@
-//! The files of the World Generator for `USARSim` (version 4.0, 2011), the tool that Zwennes' thesis
-//! extended: projects and libraries of rooms, as XML.
+//! The files of the World Generator for `USARSim` (version 4.0, 2011), the tool that Zwennes' thesis extended:
+//! projects and libraries of rooms, as XML.
 //!
-//! A project's root is `world` (`depth`, `width`, `name`). Its children are `room` (`name`, `x`, `y`,
-//! `theta` in quarter turns) and `door` (`x`, `y`, `direction`: 0 between the cells (x - 1, y) and
-//! (x, y), 1 between (x, y - 1) and (x, y)). x counts the depth, rows from north to south, and y the
-//! width. A hallway is a room called `hallway` of one cell. A library's root is `roomList`; its
-//! `room`s have `name`, `src`, `size` ("depth, width, height", in cells) and `tag`.
+//! A project's root is `world` (`depth`, `width`, `name`). Its children are `room` (`name`, `x`, `y`, `theta` in
+//! quarter turns) and `door` (`x`, `y`, `direction`: 0 between the cells (x - 1, y) and (x, y), 1 between (x, y -
+//! 1) and (x, y)). x counts the depth, in rows from north to south, and y the width. A hallway is a room called
+//! `hallway` of one cell. A library's root is `roomList`; its `room`s have `name`, `src`, `size` ("depth, width,
+//! height", in cells) and `tag`.
 //!
-//! The files cannot hold everything: open areas become hallways, doorways between two cells move
-//! to the middle of a cell, and difficulties and contents stay in the catalogue.
+//! The files cannot represent everything: open areas become hallways, doorways between two cells move to the middle
+//! of a cell, and difficulties and contents remain in the catalogue.
 
 mod error;
 mod library;
@@ -22,8 +22,8 @@ pub use project::{Project, read_project, write_project};
 /// Unreal units per metre.
 pub const UNITS_A_METRE: f64 = 250.0;
 
-/// Distance between the middles of two neighbouring cells, in Unreal units: a block of 3 m and the
-/// wall between two.
+/// Distance between the centres of two neighbouring cells, in Unreal units: a block of 3 m and the wall between two
+/// blocks.
 pub const PITCH_UNITS: f64 = 782.0;
 
 #[cfg(test)]

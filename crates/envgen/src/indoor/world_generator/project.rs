@@ -1,4 +1,4 @@
-//! Projects: the plan of a world.
+//! Projects: files with the plan of a world.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -18,28 +18,28 @@ use crate::indoor::spec::{IndoorSpec, Profile};
 use crate::world::Contents;
 use crate::xml_text::allowed;
 
-/// Greatest depth and width of a world that is read, in cells.
+/// The greatest depth and width of a world that is read, in cells.
 const MAX_SIZE: u32 = 1024;
 
-/// A project that was read.
+/// A project that was read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {
     /// The world's name.
     pub name: String,
     /// The plan.
     pub plan: FloorPlan,
-    /// Doors that were left out because they are not in a wall of a room with floor on both sides.
+    /// Number of doors that were left out because they are not in a wall of a room with floor on both sides.
     pub doors_ignored: usize,
-    /// Elements that are neither rooms nor doors.
+    /// Number of elements that are neither rooms nor doors.
     pub elements_ignored: usize,
 }
 
-/// Reads a project. Rooms come from the catalogue by name; a room that it does not have comes from the
+/// Reads a project. Rooms come from the catalogue by name. A room that the catalogue does not have comes from the
 /// library, empty and with its size.
 ///
 /// # Errors
-/// When the text is not the XML of a project, or when a room is unknown, extends beyond the world
-/// or overlaps another.
+/// When the text is not the XML of a project, or when a room is unknown, extends beyond the world or overlaps
+/// another room.
 pub fn read_project(
     text: &str,
     catalogue: &Catalogue,
@@ -98,7 +98,7 @@ pub fn read_project(
 struct Reading<'a> {
     known: BTreeMap<&'a str, &'a LibraryRoom>,
     catalogue: &'a Catalogue,
-    /// Rooms of the library that the project uses.
+    /// The rooms of the library that the project uses.
     shared: BTreeMap<String, SharedRoom>,
     grid: Grid,
     rooms: Vec<PlacedRoom>,
@@ -223,8 +223,8 @@ pub fn write_project(plan: &FloorPlan, name: &str, out: &mut impl io::Write) -> 
     writer.into_inner().write_all(b"\n")
 }
 
-/// The positions of the openings, those between two cells moved to the middle of the earlier one; in
-/// order, each once.
+/// Returns the positions of the openings, sorted and without duplicates. Openings between two cells are moved to
+/// the middle of the earlier cell.
 fn doors(plan: &FloorPlan) -> Vec<Gate> {
     let mut gates: Vec<Gate> = plan
         .openings()

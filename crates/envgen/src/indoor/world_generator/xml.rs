@@ -5,8 +5,8 @@ use quick_xml::{Reader, XmlVersion};
 
 use super::error::{MAX_TEXT, WorldGeneratorError};
 
-/// Reads a document element by element: the root first, then its children. Deeper elements, text
-/// and comments are skipped.
+/// Reads a document element by element: the root first, then its children. Deeper elements, text and comments are
+/// skipped.
 pub(super) struct Flat<'a> {
     reader: Reader<&'a [u8]>,
     root: &'static str,
@@ -16,14 +16,14 @@ pub(super) struct Flat<'a> {
     ended: bool,
 }
 
-/// An element: its name and attributes.
+/// An element, with its name and attributes.
 pub(super) struct Element {
     name: String,
     attributes: Vec<(String, String)>,
 }
 
 impl<'a> Flat<'a> {
-    /// A document whose root must have this name; the root's element is returned.
+    /// Opens a document whose root must have this name; returns the root's element.
     pub(super) fn open(
         text: &'a str,
         root: &'static str,
@@ -39,7 +39,7 @@ impl<'a> Flat<'a> {
         }
     }
 
-    /// The next child of the root; `None` after the root's end.
+    /// Returns the next child of the root; `None` after the root's end.
     pub(super) fn next(&mut self) -> Result<Option<Element>, WorldGeneratorError> {
         loop {
             let event = match self.reader.read_event() {
@@ -127,12 +127,12 @@ impl Element {
         self.name == name
     }
 
-    /// The text of an attribute.
+    /// Returns the text of an attribute.
     pub(super) fn get(&self, attribute: &str) -> Option<&str> {
         self.attributes.iter().find(|(key, _)| key == attribute).map(|(_, value)| value.as_str())
     }
 
-    /// The text of a required attribute.
+    /// Returns the text of a required attribute.
     pub(super) fn text(
         &self,
         element: &'static str,
@@ -148,7 +148,7 @@ impl Element {
         })
     }
 
-    /// The whole number of a required attribute.
+    /// Returns the whole number of a required attribute.
     pub(super) fn number(
         &self,
         element: &'static str,
