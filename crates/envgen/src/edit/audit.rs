@@ -1,11 +1,11 @@
-//! What an editor shows of a world after each change.
+//! Audits: what an editor shows about a world after each change.
 
 use crate::calibration::{Calibration, Prediction};
 use crate::certificate::{Claim, Doubt, Unreached, Verdict, unreached, verify_claims};
 use crate::difficulty::{DifficultyVector, Platform};
 use crate::world::World;
 
-/// What holds of a world: its promises, and its places.
+/// The state of a world: which of its promises hold, and which of its places cannot be reached.
 ///
 /// ```
 /// use envgen::edit::Audit;
@@ -23,17 +23,17 @@ use crate::world::World;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Audit {
-    /// The promises, each with whether it holds.
+    /// The promises, each with the result of its check.
     pub promises: Vec<(Claim, Verdict)>,
-    /// Radius of the robot that places are to be reached by, in metres: that of the promises, else that of the usual
-    /// [`Platform`].
+    /// Radius in metres of the robot that should reach all places: that of the promises, or otherwise that of the
+    /// default [`Platform`].
     pub radius: f64,
-    /// The places that it cannot reach; `None` where the world has no start, or it does not fit there.
+    /// The places that the robot cannot reach; `None` if the world has no start, or if the robot does not fit there.
     pub unreached: Result<Option<Unreached>, Doubt>,
 }
 
 impl Audit {
-    /// Checks a world and promises, which may be others than those of its certificate.
+    /// Checks a world against promises, which may differ from those of its certificate.
     pub fn of(world: &World, promises: &[Claim]) -> Self {
         let radius = promises.iter().find_map(|claim| match claim {
             Claim::Connected { radius } | Claim::EveryPlaceReachable { radius } => Some(*radius),
@@ -47,15 +47,15 @@ impl Audit {
         }
     }
 
-    /// The promises that do not hold.
+    /// Returns the promises that do not hold.
     pub fn broken(&self) -> Vec<Claim> {
         let broken = self.promises.iter().filter(|(_, verdict)| *verdict == Verdict::Broken);
         broken.map(|(claim, _)| *claim).collect()
     }
 }
 
-/// The difficulty that trials are predicted to measure in a world, for the usual robot; `None` for kinds that are not
-/// calibrated, and where the robot does not fit. It takes several times as long as an [`Audit`].
+/// Predicts the difficulty that trials with the default robot would measure in a world; `None` for kinds that are
+/// not calibrated, and if the robot does not fit. It takes several times as long as an [`Audit`].
 pub fn predict(world: &World) -> Option<Prediction> {
     let calibration = Calibration::of_world(world)?;
     let vector = DifficultyVector::of(world, &Platform::default()).ok()?;

@@ -1,4 +1,4 @@
-//! A plan or any other world that is being edited.
+//! Documents: plans and other worlds that are being edited.
 
 use std::sync::Arc;
 
@@ -16,21 +16,21 @@ use crate::reproduction::{Reproduction, reproduce};
 use crate::spec::{WorldBlueprint, WorldKind};
 use crate::world::{Claim, PartKind, World};
 
-/// Something in a document that can be selected.
+/// A part of a document that can be selected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// Of a plan.
+    /// A target in a plan.
     Plan(PlanTarget),
-    /// Of another world.
+    /// A target in another world.
     World(WorldTarget),
 }
 
 /// A change of a document.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// Of a plan.
+    /// A change of a plan.
     Plan(Box<Edit>),
-    /// Of another world.
+    /// A change of another world.
     World(Box<WorldEdit>),
 }
 
@@ -46,22 +46,23 @@ impl From<WorldEdit> for Change {
     }
 }
 
-/// Why a change is refused.
+/// The reasons why a change is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum DocumentError {
-    /// A plan refuses it.
+    /// The change of a plan is refused.
     #[error(transparent)]
     Plan(#[from] EditError),
-    /// A world refuses it.
+    /// The change of another world is refused.
     #[error(transparent)]
     World(#[from] WorldEditError),
-    /// Plans have rooms, hallways, doorways and objects in rooms; other worlds have parts.
+    /// The change is for the other type of document. Plans have rooms, hallways, doorways and objects in rooms;
+    /// other worlds have parts.
     #[error("this change is of a plan, and the document is another world, or the reverse")]
     OtherDocument,
 }
 
-/// A plan or any other world that is being edited, with one list of changes to undo.
+/// A plan or any other world that is being edited, with a single list of changes to undo.
 ///
 /// ```
 /// use envgen::edit::{Document, Target};
@@ -87,11 +88,11 @@ pub struct Document {
     world: Arc<World>,
     /// The certificate of the world before the first change.
     promised: Vec<Claim>,
-    /// The measured difficulty of the world before the first change, which a plan does not hold.
+    /// The measured difficulty of the world before the first change, which a plan does not contain.
     measured: Option<Box<MeasuredDifficulty>>,
     /// Number of changes that were made and not undone.
     made: usize,
-    /// The number at which it was saved; `None` when that state cannot be reached any more.
+    /// The number of changes at which the document was saved; `None` if that state cannot be reached any more.
     saved: Option<usize>,
 }
 
@@ -102,7 +103,7 @@ enum Editor {
 }
 
 impl Document {
-    /// A document of what a world is built from: a plan is edited as one.
+    /// Creates a document from a blueprint. A plan is edited as a plan, any other blueprint as its world.
     pub fn from_blueprint(blueprint: WorldBlueprint) -> Self {
         match blueprint {
             WorldBlueprint::Indoor(plan) => Document::from_plan(plan),
@@ -110,12 +111,13 @@ impl Document {
         }
     }
 
-    /// A document of a plan.
+    /// Creates a document from a plan.
     pub fn from_plan(plan: FloorPlan) -> Self {
         Document::of(Editor::Plan(Box::new(PlanEditor::new(plan))))
     }
 
-    /// A document of a world; of its plan, if it is an indoor map as its spec and seed give it, with its edits.
+    /// Creates a document from a world. If the world is an indoor map as its spec, seed and edits give it, its plan
+    /// is edited.
     pub fn from_world(world: World) -> Self {
         if world.provenance.kind == WorldKind::Indoor.name()
             && let Reproduction::Same(blueprint) = reproduce(&world)
@@ -135,17 +137,17 @@ impl Document {
         Document { editor, world, promised, measured, made: 0, saved: Some(0) }
     }
 
-    /// The world as it is now.
+    /// Returns the current world.
     pub fn world(&self) -> &Arc<World> {
         &self.world
     }
 
-    /// The plan as it is now, if it is one.
+    /// Returns the current plan, if the document is a plan.
     pub fn plan(&self) -> Option<&FloorPlan> {
         self.plan_editor().map(PlanEditor::plan)
     }
 
-    /// The editor of the plan, if it is one.
+    /// Returns the editor of the plan, if the document is a plan.
     pub fn plan_editor(&self) -> Option<&PlanEditor> {
         match &self.editor {
             Editor::Plan(editor) => Some(editor),
@@ -153,12 +155,12 @@ impl Document {
         }
     }
 
-    /// What formats that hold plans are written from.
+    /// Returns the blueprint for formats that contain plans.
     pub fn blueprint(&self) -> Option<WorldBlueprint> {
         self.plan().map(|plan| WorldBlueprint::Indoor(plan.clone()))
     }
 
-    /// The world with those claims of its certificate that hold.
+    /// Returns the world with only those claims of its certificate that hold.
     pub fn certified_world(&self) -> World {
         let mut world = World::clone(&self.world);
         if world.provenance.edited {
@@ -169,8 +171,9 @@ impl Document {
         world
     }
 
-    /// What was promised of the world before the first change, and what its certificate says now: what an
-    /// [`Audit`](super::Audit) is to check. Once it is edited, without what was promised of its generation alone.
+    /// Returns the promises that an [`Audit`](super::Audit) should check: those of the world before the first
+    /// change, and those of its certificate now. Once it is edited, promises about its generation only are left
+    /// out.
     pub fn promises(&self) -> Vec<Claim> {
         let of_generation = |claim: &&Claim| {
             matches!(claim, Claim::PredictedDifficulty { .. } | Claim::AddedDoorway { .. })
@@ -185,7 +188,7 @@ impl Document {
         promises
     }
 
-    /// What is at a point in metres, or not farther from it than `reach`.
+    /// Returns the target at a point in metres, or within a distance of `reach` from it.
     pub fn target_at(&self, p: DVec2, reach: f64) -> Option<Target> {
         match &self.editor {
             Editor::Plan(editor) => editor.plan().target_at(p, reach).map(Target::Plan),
@@ -193,7 +196,7 @@ impl Document {
         }
     }
 
-    /// The outline of a target in metres; `None` if it does not exist, and for roads.
+    /// Returns the outline of a target in metres; `None` if the target does not exist, and for roads.
     pub fn outline(&self, target: Target) -> Option<Shape> {
         match (&self.editor, target) {
             (Editor::Plan(editor), Target::Plan(target)) => editor.plan().outline(target),
@@ -202,7 +205,7 @@ impl Document {
         }
     }
 
-    /// What a target is, in a few words.
+    /// Returns a short description of a target.
     pub fn describe(&self, target: Target) -> String {
         match target {
             Target::Plan(target) => self.plan().map(|plan| describe(plan, target)),
@@ -224,7 +227,8 @@ impl Document {
         .map_or_else(|| id.to_string(), |name| format!("{id} ({name})"))
     }
 
-    /// The change that moves a target by metres; whole cells for a room. `None` for what cannot be moved.
+    /// Returns the change that moves a target by `by` metres, or a room by whole cells; `None` for a target that
+    /// cannot be moved.
     pub fn moved(&self, target: Target, by: DVec2) -> Option<Change> {
         let target = match target {
             Target::World(target) => return Some(WorldEdit::Move { target, by }.into()),
@@ -251,8 +255,8 @@ impl Document {
         }
     }
 
-    /// The change that turns a target counter-clockwise by a quarter for a room, and by an angle in radians for
-    /// everything else. `None` for what cannot be turned.
+    /// Returns the change that turns a target counter-clockwise: a room by a quarter turn, everything else by an
+    /// angle in radians. `None` for a target that cannot be turned.
     pub fn turned(&self, target: Target, angle: f64) -> Option<Change> {
         match target {
             Target::World(target) => Some(WorldEdit::Turn { target, angle }.into()),
@@ -266,7 +270,7 @@ impl Document {
         }
     }
 
-    /// The change that removes a target.
+    /// Returns the change that removes a target.
     pub fn remove(&self, target: Target) -> Option<Change> {
         let edit = match target {
             Target::World(target) => return Some(WorldEdit::Remove(target).into()),
@@ -280,8 +284,8 @@ impl Document {
         Some(edit.into())
     }
 
-    /// The outline in metres of what a change would add, move or turn, whether it is allowed or not; of what it would
-    /// remove otherwise.
+    /// Returns the outline in metres of the target as a change would add, move or turn it, whether the change is
+    /// allowed or not; for a removal, the outline of the target to be removed.
     pub fn preview(&self, change: &Change) -> Option<Shape> {
         match change {
             Change::Plan(edit) => preview_plan(self.plan()?, edit),
@@ -299,7 +303,7 @@ impl Document {
         }
     }
 
-    /// Whether a change is allowed now. Nothing changes.
+    /// Tests whether a change is allowed now, without changing the document.
     ///
     /// # Errors
     /// As [`Document::apply`].
@@ -311,10 +315,10 @@ impl Document {
         }
     }
 
-    /// Makes a change, and returns what it added, moved or turned, as it is named now.
+    /// Makes a change, and returns the target that it added, moved or turned, by its new name.
     ///
     /// # Errors
-    /// When the plan or world refuses the change; nothing changes then.
+    /// When the plan or world refuses the change. Then nothing changes.
     pub fn apply(&mut self, change: Change) -> Result<Option<Target>, DocumentError> {
         let target = match (&mut self.editor, change) {
             (Editor::Plan(editor), Change::Plan(edit)) => {
@@ -355,7 +359,7 @@ impl Document {
         is_undone
     }
 
-    /// Makes the last undone change again; returns whether there was one.
+    /// Repeats the change that was undone last; returns whether there was one.
     pub fn redo(&mut self) -> bool {
         let is_redone = match &mut self.editor {
             Editor::Plan(editor) => editor.redo(),
@@ -368,7 +372,7 @@ impl Document {
         is_redone
     }
 
-    /// Whether there is a change to undo.
+    /// Returns whether there is a change to undo.
     pub fn can_undo(&self) -> bool {
         match &self.editor {
             Editor::Plan(editor) => editor.can_undo(),
@@ -376,7 +380,7 @@ impl Document {
         }
     }
 
-    /// Whether there is a change to redo.
+    /// Returns whether there is a change to redo.
     pub fn can_redo(&self) -> bool {
         match &self.editor {
             Editor::Plan(editor) => editor.can_redo(),
@@ -384,12 +388,12 @@ impl Document {
         }
     }
 
-    /// Whether it differs from what was opened or saved last.
+    /// Returns whether the document differs from what was opened or last saved.
     pub fn is_changed(&self) -> bool {
         self.saved != Some(self.made)
     }
 
-    /// Takes the present state as the saved one.
+    /// Marks the current state as saved.
     pub fn mark_saved(&mut self) {
         self.saved = Some(self.made);
     }
@@ -412,7 +416,7 @@ impl Editor {
     }
 }
 
-/// The name of a kind in files, in words.
+/// Returns the name of a kind in files, in words.
 fn name(kind: &impl serde::Serialize) -> String {
     match serde_json::to_value(kind) {
         Ok(serde_json::Value::String(name)) => name.replace('_', " "),
@@ -434,8 +438,8 @@ fn describe(plan: &FloorPlan, target: PlanTarget) -> String {
     }
 }
 
-/// What an edit of a plan adds, moves or turns, as it is named afterwards: a room that changes its place becomes the
-/// last.
+/// Returns the target that an edit of a plan adds, moves or turns, by its new name. A room that changes its place
+/// becomes the last one.
 fn named_after(edit: &Edit, plan: &FloorPlan) -> Option<PlanTarget> {
     let rooms = plan.rooms().len();
     match *edit {
@@ -490,7 +494,7 @@ fn preview_plan(plan: &FloorPlan, edit: &Edit) -> Option<Shape> {
 }
 
 impl NewPart {
-    /// Its outline in metres, or a disc around a pose.
+    /// Returns the outline of a new part in metres, or a disc around a pose.
     fn outline(&self) -> Option<Shape> {
         match self {
             NewPart::Wall(wall) => Some(wall.shape.clone()),

@@ -1,9 +1,9 @@
-//! Changing worlds by hand, with undo and redo, and what an editor shows of them.
+//! Manual changes of worlds, with undo and redo, and audits of the changed worlds.
 //!
-//! - [`Document`]: an indoor plan or any other world that is being edited. A plan stays a plan: see
+//! - [`Document`]: an indoor plan or any other world that is being edited. A plan remains a plan: see
 //!   [`PlanEditor`](crate::indoor::PlanEditor).
-//! - [`WorldEditor`]: the parts of any world.
-//! - [`Audit`]: what still holds of a world's promises, and which places cannot be reached; [`predict`]: how
+//! - [`WorldEditor`]: changes of the parts of any world.
+//! - [`Audit`]: which of a world's promises still hold, and which places cannot be reached; [`predict`]: how
 //!   difficult the world is.
 
 mod audit;

@@ -1,4 +1,4 @@
-//! What is at a point of a world.
+//! The parts and poses of a world that can be edited, and queries for those at a point.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -8,19 +8,19 @@ use glam::DVec2;
 use crate::geometry::{Pose, Shape};
 use crate::world::{PartId, PartKind, SurfaceKind, World};
 
-/// Radius of the outline of a start, a goal or a victim, in metres.
+/// Radius of the outline of the start, the goal or a victim, in metres.
 const MARK: f64 = 0.3;
 
-/// Something in a world: a part, or one of the poses.
+/// A part of a world, or one of its poses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WorldTarget {
     /// A part.
     Part(PartId),
-    /// A person to be found, by the index in [`World::victims`].
+    /// A victim, by the index in [`World::victims`].
     Victim(u32),
-    /// The start.
+    /// The start pose.
     Start,
-    /// The goal.
+    /// The goal pose.
     Goal,
 }
 
@@ -35,14 +35,15 @@ impl fmt::Display for WorldTarget {
     }
 }
 
-/// The outline of a pose.
+/// Returns the outline of a pose.
 pub(super) fn mark(pose: &Pose) -> Shape {
     Shape::Disc { center: pose.position, radius: MARK }
 }
 
 impl World {
-    /// What is at a point in metres, or not farther from it than `reach`: a pose, else the nearest and smallest solid
-    /// part or doorway, else a surface that is not a plain floor, else a room. Costs one step per part.
+    /// Returns the target at a point in metres, or within a distance of `reach` from it: a pose; otherwise the
+    /// nearest solid part or doorway, the smallest of equally near ones; otherwise a surface that is not a plain
+    /// floor; otherwise a room. It takes one step per part.
     ///
     /// ```
     /// use envgen::edit::WorldTarget;
@@ -78,7 +79,8 @@ impl World {
             .or_else(|| nearest(p, reach, rooms))
     }
 
-    /// The outline of a part, in metres, or a disc around a pose; `None` if there is no such part, and for roads.
+    /// Returns the outline of a part in metres, or a disc around a pose; `None` if the target does not exist, and
+    /// for roads.
     pub fn outline(&self, target: WorldTarget) -> Option<Shape> {
         let id = match target {
             WorldTarget::Start => return self.start.as_ref().map(mark),
@@ -103,7 +105,7 @@ impl World {
     }
 }
 
-/// The nearest shape that is not farther from a point than `reach`; the smallest of those at the same distance.
+/// Returns the nearest shape within a distance of `reach` from a point; among those at the same distance, the smallest.
 fn nearest<'a>(
     p: DVec2,
     reach: f64,

@@ -1,4 +1,4 @@
-//! Changing the parts of any world.
+//! An editor of the parts of any world.
 
 use glam::DVec2;
 use thiserror::Error;
@@ -14,29 +14,29 @@ use crate::world::{
 /// A change of a world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WorldEdit {
-    /// Adds a part at the end of its list, or sets the start or goal.
+    /// Adds a part at the end of its list, or sets the start or the goal.
     Add(NewPart),
-    /// Moves a part or pose by metres.
+    /// Moves a part or a pose.
     Move {
-        /// What is moved.
+        /// The target that is moved.
         target: WorldTarget,
-        /// How far.
+        /// The displacement in metres.
         by: DVec2,
     },
-    /// Turns a part about its middle, or a pose.
+    /// Turns a part about its middle, or a pose about its position.
     Turn {
-        /// What is turned.
+        /// The target that is turned.
         target: WorldTarget,
         /// The angle in radians, counter-clockwise.
         angle: f64,
     },
-    /// Removes a part or pose. Parts behind it in its list move up.
+    /// Removes a part or a pose. The indices of the parts behind it in its list decrease by one.
     Remove(WorldTarget),
     /// Opens or closes the door of a doorway.
     SetOpen {
-        /// The index in [`World::doorways`].
+        /// The index of the doorway in [`World::doorways`].
         doorway: u32,
-        /// Whether a robot can pass.
+        /// Whether the door is open, so that a robot can pass.
         open: bool,
     },
 }
@@ -55,14 +55,14 @@ pub enum NewPart {
     Goal(Pose),
 }
 
-/// Why an edit is refused.
+/// The reasons why an edit is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum WorldEditError {
-    /// There is no such part or pose.
+    /// The part or pose does not exist.
     #[error("there is no {0}")]
     NoTarget(WorldTarget),
-    /// Rooms and roads follow from other parts.
+    /// The part cannot be edited: rooms and roads follow from other parts.
     #[error("{0} cannot be edited: rooms need their plan, and roads their spec")]
     Fixed(PartId),
     /// The world would be invalid.
@@ -70,10 +70,11 @@ pub enum WorldEditError {
     Broken(#[from] Violation),
 }
 
-/// A world that is being edited. Every edit can be undone and redone; a refused one changes nothing.
+/// A world that is being edited. Every edit can be undone and redone. A refused edit changes nothing.
 ///
-/// An edited world says so in its provenance, and loses a measured or predicted difficulty. The other promises of its
-/// certificate stay, whether they still hold or not: [`verify`](crate::certificate::verify) checks them.
+/// An edited world is marked as edited in its provenance, and loses its measured or predicted difficulty. The other
+/// promises of its certificate remain, whether they still hold or not; [`verify`](crate::certificate::verify)
+/// checks them.
 ///
 /// ```
 /// use envgen::edit::{WorldEdit, WorldEditor, WorldTarget};
@@ -93,15 +94,15 @@ pub enum WorldEditError {
 #[derive(Clone, Debug)]
 pub struct WorldEditor {
     world: World,
-    /// As it was before the first edit.
+    /// The provenance before the first edit.
     provenance: Provenance,
     history: History<Change>,
 }
 
-/// One reversible change: the state before and the state after.
+/// A reversible change: the state before and the state after.
 #[derive(Clone, Debug)]
 enum Change {
-    /// A part is inserted or removed where one of the two is absent.
+    /// A change of a part. If one of the two states is absent, the part is inserted or removed.
     Part {
         target: WorldTarget,
         from: Option<NewPart>,
@@ -114,22 +115,22 @@ enum Change {
 }
 
 impl WorldEditor {
-    /// An editor of a world.
+    /// Creates an editor of a world.
     pub fn new(world: World) -> Self {
         let provenance = world.provenance.clone();
         WorldEditor { world, provenance, history: History::default() }
     }
 
-    /// The world as it is now.
+    /// Returns the current world.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// Makes a change; what was undone before can no longer be redone.
+    /// Applies an edit. Edits that were undone before can no longer be redone.
     ///
     /// # Errors
-    /// When there is no such part, it cannot be edited, or the world would be invalid; nothing changes then. Costs one
-    /// check of the world.
+    /// When the part does not exist or cannot be edited, or when the world would be invalid. Then nothing changes.
+    /// It takes one check of the world.
     pub fn apply(&mut self, edit: WorldEdit) -> Result<(), WorldEditError> {
         let mut step = Vec::new();
         if let Err(error) = self.perform(edit, &mut step) {
@@ -141,7 +142,7 @@ impl WorldEditor {
         Ok(())
     }
 
-    /// Whether an edit is allowed now. Nothing changes.
+    /// Tests whether an edit is allowed now, without changing the world.
     ///
     /// # Errors
     /// As [`WorldEditor::apply`].
@@ -161,7 +162,7 @@ impl WorldEditor {
         is_undone
     }
 
-    /// Makes the last undone change again; returns whether there was one.
+    /// Repeats the edit that was undone last; returns whether there was one.
     pub fn redo(&mut self) -> bool {
         let mut history = std::mem::take(&mut self.history);
         let is_redone =
@@ -171,17 +172,17 @@ impl WorldEditor {
         is_redone
     }
 
-    /// Whether there is a change to undo.
+    /// Returns whether there is a change to undo.
     pub fn can_undo(&self) -> bool {
         self.history.can_undo()
     }
 
-    /// Whether there is a change to redo.
+    /// Returns whether there is a change to redo.
     pub fn can_redo(&self) -> bool {
         self.history.can_redo()
     }
 
-    /// Says in the provenance whether the world was edited.
+    /// Records in the provenance whether the world was edited.
     fn mark(&mut self) {
         self.world.provenance = self.provenance.clone();
         if self.history.can_undo() {
@@ -231,7 +232,7 @@ impl WorldEditor {
         Ok(self.world.check()?)
     }
 
-    /// Drops predictions, which are of the world before, and numbers added doorways as they are now.
+    /// Removes predictions, which refer to the world before the edit, and updates the indices of added doorways.
     fn adapt_claims(&mut self, step: &mut Vec<Change>) {
         let removed = step.iter().find_map(|change| match change {
             Change::Part { target: WorldTarget::Part(id), to: None, .. } => {
@@ -255,7 +256,7 @@ impl WorldEditor {
         }
     }
 
-    /// Where a part will be when it is added.
+    /// Returns the target that a part will be when it is added.
     pub(super) fn place_of(&self, part: &NewPart) -> WorldTarget {
         let end = |kind, len: usize| WorldTarget::Part(PartId { kind, index: len as u32 });
         match part {
@@ -307,7 +308,7 @@ impl WorldEditor {
         step.iter().rev().for_each(|change| self.change(change, false));
     }
 
-    /// Makes a change, or takes it back.
+    /// Makes a change, or reverts it.
     fn change(&mut self, change: &Change, forward: bool) {
         match change {
             Change::Certificate { from, to } => {
@@ -327,7 +328,7 @@ impl WorldEditor {
             WorldTarget::Victim(index) => index as usize,
             WorldTarget::Start | WorldTarget::Goal => 0,
         };
-        /// Puts a part in place of another one; the parts behind it move where one of the two is absent.
+        /// Replaces a part by another one. If one of the two is absent, the parts behind it move.
         macro_rules! put {
             ($list:ident, $variant:ident) => {{
                 let part = match to {
