@@ -6,9 +6,9 @@ use std::io::{self, Write};
 use crate::landscape::metrics::check;
 use crate::world::ClassRaster;
 
-/// Writes the classes of a raster as an ESRI ASCII grid, the top row first, 0 as no data. With labels
-/// class `k + 1` is written as `labels[k]`, and no data as a number that no label has. Reading it back with
-/// [`read_asc`](crate::import::read_asc) gives the same cells, cell side, place and labels.
+/// Writes the classes of a raster as an ESRI ASCII grid, with the top row first and 0 as no data. With labels,
+/// class `k + 1` is written as `labels[k]`, and no data as a number that no label has. Reading the file back with
+/// [`read_asc`](crate::import::read_asc) gives the same cells, cell side, position and labels.
 ///
 /// ```
 /// use envgen::export::write_asc;
@@ -24,7 +24,7 @@ use crate::world::ClassRaster;
 /// ```
 ///
 /// # Errors
-/// When the raster's sizes do not fit together, or writing fails.
+/// When the raster's sizes do not fit together, or when writing fails.
 pub fn write_asc(
     raster: &ClassRaster,
     labels: Option<&[i64]>,

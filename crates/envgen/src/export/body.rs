@@ -1,4 +1,4 @@
-//! Prisms as the bodies that simulators know: boxes, cylinders, and whatever has corners.
+//! Prisms as the bodies that simulators provide: boxes, cylinders, and polygons for everything else.
 
 use glam::{DVec2, DVec3};
 
@@ -6,13 +6,13 @@ use crate::geometry::Shape;
 use crate::pieces::LINE_THICKNESS;
 use crate::world::Extent;
 
-/// A prism.
+/// A prism in the form of a simulator's body.
 pub(super) enum Body<'a> {
-    /// A box, turned about the vertical.
+    /// A box, rotated about the vertical axis.
     Box { center: DVec3, size: DVec3, heading: f64 },
     /// An upright cylinder.
     Cylinder { center: DVec3, radius: f64, length: f64 },
-    /// A polygon, drawn upwards.
+    /// A polygon, extruded upwards.
     Polygon {
         #[cfg_attr(
             not(any(feature = "mjcf", feature = "sdf")),

@@ -1,11 +1,11 @@
-//! A world as `building.yaml`, the plan of a building that the traffic editor of Open-RMF writes.
+//! A world as `building.yaml`, the file in which the traffic editor of Open-RMF stores a building.
 //!
-//! Coordinates are `cartesian_meters`, those of the world. The one level has walls, doors, a floor and the lanes of
-//! the navigation graph 0. RMF's walls are lines that its tools make 0.1 m thick: thin walls become their centre
-//! line, every other solid its outline. Each doorway is a hinged door that turns by 90 degrees about its first
-//! end. Lanes lead from the start to the goal and into every room, as near to its middle as a robot with a radius of
-//! 0.3 m can go. Values have a type: 1 text, 2 whole number, 3 number, 4 truth value. Walls and doors state their
-//! `bottom` and `top` in metres, which RMF's tools ignore: their walls are 2.5 m high.
+//! Coordinates are `cartesian_meters`, and equal those of the world. The only level has walls, doors, a floor, and
+//! the lanes of navigation graph 0. RMF's walls are lines, which its tools make 0.1 m thick: thin walls become
+//! their centre line, every other solid its outline. Each doorway is a hinged door that turns by 90 degrees about
+//! its first end. Lanes lead from the start to the goal and into every room, as near to the room's middle as a
+//! robot with a radius of 0.3 m can go. Values have a type: 1 text, 2 whole number, 3 number, 4 truth value. Walls
+//! and doors state their `bottom` and `top` in metres, which RMF's tools ignore: their walls are 2.5 m high.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -18,16 +18,16 @@ use super::lanes::Lanes;
 use crate::geometry::{Shape, edges, regular_polygon};
 use crate::world::{PartId, PartKind, World};
 
-/// Walls of up to this thickness in metres are drawn as their centre line.
+/// Walls of up to this thickness in metres become their centre line.
 const THIN: f64 = 0.5;
 
-/// The share by which the area of a polygon that counts as a rectangle may differ from that of one.
+/// The greatest relative difference between the area of a polygon that counts as a rectangle and that of a rectangle.
 const RECTANGULAR: f64 = 1e-6;
 
-/// Corners of the outline of a disc.
+/// Number of corners of the outline of a disc.
 const CORNERS: usize = 16;
 
-/// Writes the plan of a world.
+/// Writes the building of a world.
 pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
     let mut out = BufWriter::new(out);
     let mut plan = Plan::default();
@@ -55,7 +55,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     Ok(out.flush()?)
 }
 
-/// A text in double quotes, whose escapes are those of JSON.
+/// Quotes a text in double quotes, with the escapes of JSON.
 fn text(text: &str) -> String {
     // JSON's strings are those of YAML but for characters that YAML does not print.
     let json = serde_json::Value::from(text).to_string();
@@ -84,19 +84,19 @@ fn list(out: &mut dyn Write, name: &str, items: &[String]) -> io::Result<()> {
     items.iter().try_for_each(|item| writeln!(out, "      - {item}"))
 }
 
-/// The lists of a level, one text per entry.
+/// The lists of a level, with one text per entry.
 #[derive(Default)]
 struct Plan {
     vertices: Vec<String>,
     walls: Vec<String>,
     doors: Vec<String>,
     lanes: Vec<String>,
-    /// Vertices by the bits of their coordinates.
+    /// Indices of vertices by the bits of their coordinates.
     known: BTreeMap<[u64; 2], usize>,
 }
 
 impl Plan {
-    /// The number of the vertex at a point.
+    /// Returns the number of the vertex at a point, which is added if necessary.
     fn vertex(&mut self, at: DVec2) -> usize {
         let key = (at + DVec2::ZERO).to_array().map(f64::to_bits);
         if let Some(&known) = self.known.get(&key) {
@@ -106,7 +106,7 @@ impl Plan {
         self.named(at, "", "")
     }
 
-    /// Adds a vertex of its own.
+    /// Adds a separate vertex with a name.
     fn named(&mut self, at: DVec2, name: &str, parameters: &str) -> usize {
         let entry = format!("[{}, {}, 0, {}, {{{parameters}}}]", at.x, at.y, text(name));
         self.vertices.push(entry);
@@ -163,7 +163,7 @@ impl Plan {
         }
     }
 
-    /// Start, goal and the middles of rooms, and lanes between them.
+    /// Adds the start, the goal, the middles of rooms, and the lanes between them.
     fn add_places(&mut self, world: &World) {
         let spot = "is_parking_spot: [4, true]";
         let start = world.start.map(|start| self.named(start.position, "start", spot));
@@ -203,7 +203,8 @@ impl Plan {
     }
 }
 
-/// The line along the middle of a shape's longer side, and its thickness; `None` for what is no rectangle.
+/// Returns the line along the middle of a shape's longer side, and its thickness; `None` for a shape that is not a
+/// rectangle.
 fn centre_line(shape: &Shape) -> Option<(DVec2, DVec2, f64)> {
     let axis = shape.long_axis();
     let is_rectangle = match shape {
@@ -217,7 +218,7 @@ fn centre_line(shape: &Shape) -> Option<(DVec2, DVec2, f64)> {
     is_rectangle.then_some(axis)
 }
 
-/// The bottom and top of a part.
+/// Returns the bottom and top of a part as text.
 fn height(world: &World, part: PartId) -> String {
     let (bottom, top) = world.extent(part).map_or((0.0, 0.0), |it| (it.bottom(), it.top()));
     format!("bottom: [3, {bottom}], top: [3, {top}]")

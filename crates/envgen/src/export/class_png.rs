@@ -7,13 +7,13 @@ use png::{BitDepth, ColorType, Encoder, EncodingError};
 use crate::palette::ordered_class;
 use crate::world::ClassRaster;
 
-/// The text chunk that holds the side of a cell in metres.
+/// The keyword of the text chunk that contains the side of a cell in metres.
 pub const CELL_KEY: &str = "envgen cell m";
 
-/// Writes the classes of a raster as an image with one pixel per cell: an indexed one, whose index is
-/// the class, for up to 255 classes, and a grey one of 16 bits, whose grey is the class, for
-/// more. No data is transparent. Reading it back with
-/// [`read_class_png`](crate::import::read_class_png) gives the same cells and cell side.
+/// Writes the classes of a raster as an image with one pixel per cell. For up to 255 classes it is an indexed image
+/// whose index is the class; for more it is a grey image of 16 bits whose grey is the class. No data is
+/// transparent. Reading the file back with [`read_class_png`](crate::import::read_class_png) gives the same cells
+/// and cell side.
 ///
 /// ```
 /// use envgen::export::class_png::write_class_png;

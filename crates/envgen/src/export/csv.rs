@@ -1,9 +1,9 @@
-//! The waypoints of the roads as comma-separated values.
+//! The waypoints of roads as comma-separated values.
 //!
-//! One line per waypoint under the header `road,s,x,y,heading,curvature`: the road's number from 0,
-//! distance along it in metres, position in metres, heading in radians and curvature in 1/m.
-//! A closed road ends with its first waypoint again, one lap farther. Numbers have as many digits as are
-//! needed to read the same ones back.
+//! There is one line per waypoint under the header `road,s,x,y,heading,curvature`: the road's number counted from
+//! 0, the distance along it in metres, the position in metres, the heading in radians and the curvature in 1/m. A
+//! closed road ends with its first waypoint again, one lap farther. Numbers have as many digits as are needed to
+//! read the same numbers back.
 
 use std::io::{self, Write};
 

@@ -1,4 +1,4 @@
-//! Why a world cannot be written.
+//! Errors of writing worlds.
 
 use std::io;
 use std::path::PathBuf;
@@ -12,11 +12,11 @@ use crate::occupancy::OccupancyError;
 use crate::picture::PictureError;
 use crate::scenario::ScenarioFileError;
 
-/// Why a world could not be written.
+/// The reasons why a world could not be written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ExportError {
-    /// The file's name has the ending of no format.
+    /// The ending of the file's name does not belong to any format.
     #[error("unknown file ending in `{path}`, expected one of {known}")]
     UnknownEnding {
         /// The file's name.
@@ -24,7 +24,7 @@ pub enum ExportError {
         /// The endings that exist.
         known: String,
     },
-    /// The format is in another build of the crate.
+    /// The format is only in builds of the crate with another feature.
     #[error(
         "`{path}` needs the feature `{feature}`, which this build of envgen does not have: \
          `cargo install --path crates/envgen --features cli,{feature}`"
@@ -32,30 +32,30 @@ pub enum ExportError {
     Feature {
         /// The file's name.
         path: PathBuf,
-        /// The feature of the crate.
+        /// The feature of the crate that the format needs.
         feature: &'static str,
     },
     /// Writing failed.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The format holds blueprints of another kind than this world's.
+    /// The format contains blueprints of another kind than this world's.
     #[error("{format} holds {wanted}, but this world was not built from one")]
     Blueprint {
         /// The format.
         format: &'static str,
-        /// What it holds.
+        /// What the format contains.
         wanted: &'static str,
     },
-    /// The world cannot be written to a world file.
+    /// The world cannot be written as a world file.
     #[error(transparent)]
     File(#[from] FileError),
     /// The world's raster is invalid.
     #[error(transparent)]
     Raster(#[from] RasterError),
-    /// The world has no part that the format can hold.
+    /// The world has no part that the format can contain.
     #[error("the world has no {part}, and files of this format hold nothing else")]
     Empty {
-        /// The part that the format holds.
+        /// The part that the format contains.
         part: &'static str,
     },
     /// The scenario cannot be written.
@@ -70,10 +70,10 @@ pub enum ExportError {
     TooLarge {
         /// The format.
         format: &'static str,
-        /// The most that it holds.
+        /// The limit of the format.
         limit: &'static str,
     },
-    /// No grid of the world could be made.
+    /// An occupancy grid of the world could not be made.
     #[error(transparent)]
     Occupancy(#[from] OccupancyError),
     /// The world cannot be drawn.

@@ -1,4 +1,4 @@
-//! The table of formats.
+//! The table of file formats.
 
 use std::fmt;
 use std::io::Write;
@@ -10,36 +10,37 @@ use super::job::Job;
 #[cfg(feature = "usarsim")]
 use crate::spec::WorldBlueprint;
 
-/// Writes one file of a format.
+/// A function that writes one file of a format.
 pub type Writer = fn(&Job<'_>, &mut dyn Write) -> Result<(), ExportError>;
 
-/// One line per format: feature that it needs, variant, what it is, and its files, each an ending and a writer.
+/// One line per format: the feature that it needs, the variant, a summary, and its files, each with an ending and a
+/// writer.
 macro_rules! formats {
     ($($(#[cfg(feature = $feature:literal)])? $variant:ident, $doc:literal,
         [$($ending:literal => $writer:expr),+];)+) => {
-        /// A file format that worlds can be written in.
+        /// A file format in which worlds can be written.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[non_exhaustive]
         pub enum Format {
             $($(#[cfg(feature = $feature)])? #[doc = $doc] $variant,)+
         }
 
-        /// The endings of each format and the feature that it needs, also of those that this build does not have.
+        /// The endings of each format and the feature that it needs, including formats that this build does not have.
         const NEEDED: &[(&[&str], &[&str])] = &[$((&[$($ending),+], &[$($feature)?])),+];
 
         impl Format {
             /// Every format of this build.
             pub const ALL: &'static [Format] = &[$($(#[cfg(feature = $feature)])? Format::$variant),+];
 
-            /// What the format is, in one sentence.
+            /// Returns a summary of the format in one sentence.
             pub fn summary(self) -> &'static str {
                 match self {
                     $($(#[cfg(feature = $feature)])? Format::$variant => $doc.trim_ascii(),)+
                 }
             }
 
-            /// The format's files: the ending of each and its writer. The first is the one that
-            /// [`Format::from_path`] knows the format by.
+            /// Returns the format's files: the ending of each and its writer. The first ending is the one by which
+            /// [`Format::from_path`] recognises the format.
             pub fn files(self) -> &'static [(&'static str, Writer)] {
                 match self {
                     $($(#[cfg(feature = $feature)])? Format::$variant => &[$(($ending, $writer as Writer)),+],)+
@@ -122,12 +123,12 @@ fn write_world_generator(job: &Job<'_>, mut out: &mut dyn Write) -> Result<(), E
 }
 
 impl Format {
-    /// The ending of the format's first file, without the dot.
+    /// Returns the ending of the format's first file, without the dot.
     pub fn ending(self) -> &'static str {
         self.files()[0].0
     }
 
-    /// The format selected by the ending of a file's name, in upper or lower case.
+    /// Returns the format that the ending of a file's name selects, in upper or lower case.
     ///
     /// ```
     /// use envgen::export::Format;
@@ -142,7 +143,8 @@ impl Format {
     /// ```
     ///
     /// # Errors
-    /// Lists the endings that exist, or names the feature of the crate that the format needs.
+    /// Returns an error that lists the endings that exist, or that names the feature of the crate that the format
+    /// needs.
     pub fn from_path(path: &Path) -> Result<Format, ExportError> {
         let name = path.file_name().map(|name| name.to_string_lossy().to_ascii_lowercase());
         let ends = |ending: &str| {
@@ -164,10 +166,10 @@ impl Format {
         })
     }
 
-    /// Writes the format's first file; for most formats it is the only one.
+    /// Writes the format's first file, which is the only one for most formats.
     ///
     /// # Errors
-    /// When the format cannot hold the world, or writing fails.
+    /// When the format cannot contain the world, or when writing fails.
     pub fn write(self, job: &Job<'_>, out: &mut dyn Write) -> Result<(), ExportError> {
         (self.files()[0].1)(job, out)
     }

@@ -1,7 +1,7 @@
 //! The parts of a world as GeoJSON (RFC 7946), in metres.
 //!
-//! Coordinates are those of the world, x right and y up, and not longitude and latitude: the member `frame` of
-//! the collection says so. Each part is a feature whose properties name it (`part`), what it is (`kind`) and
+//! Coordinates are those of the world, x right and y up, and not longitude and latitude, as stated by the member
+//! `frame` of the collection. Each part is a feature. Its properties give its name (`part`), its kind (`kind`) and
 //! whether it stops a robot (`solid`). A disc is a polygon of 64 corners on its circle, with `center` and `radius`.
 
 use std::io::Write;
@@ -15,10 +15,10 @@ use super::error::ExportError;
 use crate::geometry::{Pose, Shape, unit_vector};
 use crate::world::{PartId, PartKind, World};
 
-/// Corners of the polygon that represents a disc.
+/// Number of corners of the polygon that represents a disc.
 const CORNERS: u32 = 64;
 
-/// What coordinates are.
+/// The description of the coordinates.
 const FRAME: &str = "local, in metres: x right, y up; not longitude and latitude";
 
 /// Writes the parts of a world.
@@ -106,7 +106,7 @@ fn position(p: DVec2) -> [f64; 2] {
     p.to_array()
 }
 
-/// A pose as a point.
+/// Returns a pose as a point feature.
 fn place(name: &str, id: String, pose: Pose) -> Feature {
     let properties = json!({ "heading": pose.heading, "part": name, "solid": false });
     Feature {

@@ -1,10 +1,10 @@
-//! Worlds as glTF 2.0 in one binary file (GLB).
+//! Worlds as glTF 2.0 in a binary file (GLB).
 //!
-//! Each piece of the world is a node under the node `world`, named as the piece, with the part's list and index,
-//! its kind and role in its `extras`; pieces of the same form share their mesh. Start and goal are nodes without
-//! a mesh. The provenance is in the extras of the asset. glTF is y-up: x is the world's x, -z its y, and y the
-//! height. Numbers are of 32 bits: positions in a piece are relative to its middle, and these to a whole number
-//! of metres near the middle of the world.
+//! Each piece of the world is a node below the node `world` and has the name of the piece. Its `extras` hold the
+//! part's list and index, and its kind and role. Pieces of the same form share their mesh. Start and goal are nodes
+//! without a mesh. The provenance is in the extras of the asset. In glTF, y points up: x is the world's x, -z its
+//! y, and y the height. Numbers have 32 bits: positions in a piece are relative to its middle, and middles are
+//! relative to a whole number of metres near the middle of the world.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -27,7 +27,7 @@ use crate::palette::Srgb;
 use crate::pieces::{Piece, pieces};
 use crate::world::{PartKind, World};
 
-/// The views of the buffer, in the order of its parts.
+/// The indices of the buffer's views, in the order of its parts.
 const POSITIONS: u32 = 0;
 const NORMALS: u32 = 1;
 const UVS: u32 = 2;
@@ -83,7 +83,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     file.write(out)
 }
 
-/// What a piece is.
+/// Returns the description of a piece.
 fn described(world: &World, piece: &Piece<'_>) -> serde_json::Value {
     let mut extras =
         json!({ "kind": piece.kind, "role": piece.role.name(), "solid": piece.is_solid });
@@ -101,24 +101,24 @@ fn extras<T: Serialize>(value: &T) -> Result<Extras, ExportError> {
     Ok(Some(serde_json::value::to_raw_value(value).map_err(std::io::Error::from)?))
 }
 
-/// From z-up to y-up.
+/// Converts a vector from z-up to y-up.
 fn up(p: DVec3) -> DVec3 {
     DVec3::new(p.x, p.z, -p.y)
 }
 
-/// Without negative zeros.
+/// Converts a vector to 32 bits, without negative zeros.
 fn narrow(p: DVec3) -> [f32; 3] {
     p.to_array().map(|x| x as f32 + 0.0)
 }
 
-/// A file as it grows.
+/// A file that is being built.
 #[derive(Default)]
 struct File {
     root: Root,
-    /// The parts of the buffer: positions, normals, texture coordinates, corners of triangles.
+    /// The parts of the buffer: positions, normals, texture coordinates, and corners of triangles.
     data: [Vec<u8>; 4],
     materials: BTreeMap<String, Index<Material>>,
-    /// By material, positions and corners: a mesh of the same ones is the same.
+    /// The meshes by material, positions and corners, so that equal meshes are shared.
     meshes: BTreeMap<(usize, Vec<u8>, Vec<u8>), Index<gltf_json::Mesh>>,
 }
 
@@ -194,7 +194,7 @@ impl File {
         Index::push(&mut self.root.accessors, accessor)
     }
 
-    /// The material of a kind and colour.
+    /// Returns the material of a kind and colour, which is added if necessary.
     fn material(&mut self, piece: &Piece<'_>) -> Index<Material> {
         let Srgb([r, g, b]) = piece.color;
         let name = format!("{} #{r:02x}{g:02x}{b:02x}", piece.kind);
@@ -211,7 +211,7 @@ impl File {
         index
     }
 
-    /// Header, JSON and buffer.
+    /// Writes the header, the JSON and the buffer.
     fn write(mut self, out: &mut dyn Write) -> Result<(), ExportError> {
         let mut offset = 0;
         for (data, stride) in self.data.iter().zip([Some(12), Some(12), Some(8), None]) {

@@ -1,8 +1,9 @@
-//! The plan of a world as in the data set HouseExpo: T. Li and others, HouseExpo: A Large-scale 2D Indoor
-//! Layout Dataset for Learning-based Algorithms on Mobile Robots, arXiv:1903.09845.
+//! A world as a plan of the data set HouseExpo: T. Li and others, HouseExpo: A Large-scale 2D Indoor Layout Dataset
+//! for Learning-based Algorithms on Mobile Robots, arXiv:1903.09845.
 //!
-//! The format holds one outline of free ground. It is that of the ground that the start's free cells make on a
-//! grid: solids inside that do not touch it are lost. Start and goal are in fields of their own, which other readers ignore.
+//! The format contains a single outline of free ground. It is the outline of the free cells of a grid that are
+//! connected with the start; solids inside that do not touch it are lost. Start and goal are in separate fields,
+//! which other readers ignore.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -19,7 +20,7 @@ use crate::placement::max_clearance_point;
 use crate::provenance::Provenance;
 use crate::world::World;
 
-/// A house, with the fields of the data set and some more.
+/// A house, with the fields of the data set and some additional ones.
 #[derive(Serialize)]
 struct House<'a> {
     id: &'a str,
@@ -38,7 +39,7 @@ struct Bounds {
     max: [f64; 2],
 }
 
-/// Writes the outline of the ground that can be reached from the start, in cells of `resolution` metres.
+/// Writes the outline of the ground that can be reached from the start, on a grid with cells of `resolution` metres.
 pub(super) fn write(
     world: &World,
     id: &str,
@@ -85,8 +86,8 @@ pub(super) fn write(
     Ok(out.flush()?)
 }
 
-/// The corners, as columns and rows, of the outer border of a region of cells that are joined by their sides,
-/// counter-clockwise where rows count upwards.
+/// Returns the corners, as columns and rows, of the outer border of a region of cells that are joined by their
+/// sides. They are counter-clockwise if rows count upwards.
 fn outline(cols: usize, region: &[bool]) -> Vec<[usize; 2]> {
     let Some(first) = region.iter().position(|&cell| cell) else { return Vec::new() };
     let (cols, rows) = (cols as isize, (region.len() / cols) as isize);

@@ -1,4 +1,4 @@
-//! What to write, and how.
+//! Jobs: what to write, and the options of the formats.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -20,7 +20,7 @@ use crate::world::{ClassRaster, World};
 #[cfg(feature = "paths")]
 const TASKS: usize = 100;
 
-/// What to write, and how.
+/// A world to write, and the options of the formats.
 ///
 /// ```
 /// use envgen::export::{Format, Job};
@@ -38,23 +38,23 @@ const TASKS: usize = 100;
 pub struct Job<'a> {
     /// The world.
     pub world: &'a World,
-    /// The blueprint that the world was built from, for formats that hold plans. Worlds that were
-    /// read from a file have none.
+    /// The blueprint from which the world was built, for formats that contain plans. Worlds that were read from a
+    /// file have no blueprint.
     pub blueprint: Option<&'a WorldBlueprint>,
-    /// The file's name without its ending, for formats of several files that name each other.
+    /// The file's name without its ending, for formats with several files that refer to each other.
     pub stem: String,
-    /// Side in metres of the cells of maps whose cell size can be chosen; `None` for the usual one
+    /// Side in metres of the cells of maps whose cell size can be chosen; `None` for the default
     /// ([`ros_map::usual_resolution`]).
     pub resolution: Option<f64>,
-    /// What moves in the world. Pictures show it if their options hold it too.
+    /// The moving elements of the world. Pictures show them only if their options contain the scenario as well.
     pub scenario: Option<&'a Scenario>,
-    /// How pictures are drawn.
+    /// The options of pictures.
     #[cfg(feature = "picture")]
     pub picture: PictureOptions,
 }
 
 impl<'a> Job<'a> {
-    /// A world to write, with every option at its default and the stem `world`.
+    /// Creates a job for a world, with every option at its default and the stem `world`.
     pub fn new(world: &'a World) -> Self {
         Job {
             world,
@@ -67,7 +67,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// The job for a file of this name.
+    /// Creates a job for a world and a file of this name.
     pub fn for_path(world: &'a World, path: &Path) -> Self {
         let mut job = Job::new(world);
         if let Some(stem) = path.file_stem() {
@@ -80,8 +80,8 @@ impl<'a> Job<'a> {
         self.world.raster.as_ref().ok_or(ExportError::Empty { part: "raster of classes" })
     }
 
-    /// The values that the classes of a raster had in the file that it was read from, where these are no class numbers:
-    /// one for each class, all different.
+    /// Returns the values that the classes of a raster had in the file from which it was read, if these are not
+    /// class numbers: one value for each class, all different.
     pub(super) fn class_labels(&self) -> Option<Vec<i64>> {
         let labels = self.world.provenance.spec.get("labels")?.as_array()?;
         let highest = self.world.raster.as_ref()?.cells.iter().max().copied()?;

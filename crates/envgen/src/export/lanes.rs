@@ -1,4 +1,4 @@
-//! Lanes: straight lines from place to place on which a round robot is free.
+//! Lanes: sequences of straight lines between places, along which a round robot is free.
 
 use glam::DVec2;
 
@@ -9,19 +9,20 @@ use crate::grid::GridFrame;
 use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::World;
 
-/// Radius in metres of the robot for which lanes are free.
+/// Radius in metres of the robot for which lanes must be free.
 const ROBOT_RADIUS: f64 = 0.3;
 
-/// Side in metres of a cell of the grid on which lanes are looked for, in a world that is not large.
+/// Side in metres of a cell of the grid on which lanes are searched, unless the world is large.
 const CELL: f64 = 0.1;
 
-/// The most cells of that grid, about.
+/// Approximate greatest number of cells of that grid.
 const MOST_CELLS: f64 = 4e6;
 
-/// How much farther clearances are known than they are needed, in metres: lines are looked up in longer pieces.
+/// The distance in metres by which the index of clearances exceeds what is needed, so that lines can be looked up
+/// in longer pieces.
 const BEYOND: f64 = 1.0;
 
-/// Cells to each side in which a lane begins or ends.
+/// Number of cells to each side in which a lane may begin or end.
 const AROUND: isize = 2;
 
 /// The lanes from a start.
@@ -31,7 +32,7 @@ pub(super) struct Lanes {
     paths: CheapestPaths,
 }
 
-/// Where the robot can be.
+/// The ground on which the robot can be.
 struct FreeGround {
     frame: GridFrame,
     solids: ClearanceIndex,
@@ -39,7 +40,7 @@ struct FreeGround {
 }
 
 impl Lanes {
-    /// The lanes from a start; `None` where the robot does not fit there.
+    /// Finds the lanes from a start; `None` if the robot does not fit there.
     pub(super) fn from(world: &World, start: DVec2) -> Option<Self> {
         let size = world.bounds.size();
         let least = (size.x * size.y / MOST_CELLS).sqrt().max(size.max_element() / MOST_CELLS);
@@ -67,7 +68,7 @@ impl Lanes {
         Some(Lanes { ground, start, paths })
     }
 
-    /// The point of an area that a lane can lead to and that is nearest to another one.
+    /// Returns the point of an area to which a lane can lead and which is nearest to another point.
     pub(super) fn nearest_in(&self, area: &Shape, to: DVec2) -> Option<DVec2> {
         if area.contains(to) && self.end(to).is_some() {
             return Some(to);
@@ -86,7 +87,7 @@ impl Lanes {
             .min_by(|a, b| a.distance_squared(to).total_cmp(&b.distance_squared(to)))
     }
 
-    /// The points at which the lane to a goal turns, without its ends; `None` where there is none.
+    /// Returns the points at which the lane to a goal turns, without its ends; `None` if there are no lanes to it.
     pub(super) fn turns(&self, goal: DVec2) -> Option<Vec<DVec2>> {
         let cells = self.paths.to(self.end(goal)?)?;
         let cells = cells.iter().map(|&cell| self.ground.frame.center_of(cell));
@@ -100,7 +101,8 @@ impl Lanes {
         Some(turns)
     }
 
-    /// A point that is seen from another one, far along a path: the steps grow as long as they end at such points.
+    /// Returns the index of a point far along a path that is visible from another point. The steps of the search
+    /// grow as long as they end at visible points.
     fn farthest_seen(&self, points: &[DVec2], at: usize) -> usize {
         let last = points.len() - 1;
         let (mut seen, mut step, mut grows) = (at + 1, 1, true);
@@ -116,14 +118,15 @@ impl Lanes {
         seen
     }
 
-    /// The cell at which the lane to a point ends.
+    /// Returns the cell at which the lane to a point ends.
     fn end(&self, goal: DVec2) -> Option<usize> {
         self.ground.cell_near(goal, |cell| self.paths.reaches(cell))
     }
 }
 
 impl FreeGround {
-    /// The nearest cell of some around a point from whose middle a robot gets there.
+    /// Returns the nearest cell around a point that satisfies a condition and from whose centre a robot can reach
+    /// the point.
     fn cell_near(&self, p: DVec2, is_one: impl Fn(usize) -> bool) -> Option<usize> {
         let middle = self.frame.index_at(p)?;
         let offsets =

@@ -1,10 +1,10 @@
-//! Worlds for MuJoCo: MJCF.
+//! Worlds for MuJoCo, as MJCF.
 //!
-//! Each piece of the world is a geom of the world body, named as the piece, whose material is named as its kind:
-//! boxes, cylinders and ellipsoids. Outlines of other forms are meshes, in convex pieces where they are not
-//! convex, since MuJoCo takes the convex hull of a mesh: `obstacle_3`, `obstacle_3.1` and so on. Floors, surfaces
-//! and crowns collide with nothing; the plane `floor` is driven on. Start and goal are sites; the provenance is a
-//! custom text.
+//! Each piece of the world is a geom of the world body with the name of the piece. Its material has the name of the
+//! piece's kind. Geoms are boxes, cylinders and ellipsoids. Outlines of other forms are meshes; because MuJoCo
+//! takes the convex hull of a mesh, those that are not convex are divided into convex pieces: `obstacle_3`,
+//! `obstacle_3.1` and so on. Floors, surfaces and crowns do not collide; robots drive on the plane `floor`. Start
+//! and goal are sites. The provenance is a custom text.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -23,7 +23,7 @@ use crate::world::{Extent, World};
 /// Half the distance between the lines that MuJoCo draws on the floor, in metres.
 const GRID: f64 = 0.5;
 
-/// A geom that is a mesh: its name, where it is, and the corners of the mesh relative to that.
+/// A geom that is a mesh: its name, its position, and the corners of the mesh relative to that position.
 struct Hull {
     name: String,
     place: DVec2,
@@ -77,7 +77,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     xml.end()
 }
 
-/// The meshes that stand for an outline; none for other forms.
+/// Returns the meshes that represent an outline; an empty list for other forms.
 fn hulls_of(piece: &Piece<'_>) -> Result<Vec<Hull>, ExportError> {
     let Form::Prism { shape, extent } = &piece.form else { return Ok(Vec::new()) };
     let Body::Polygon { corners } = Body::of(shape, *extent) else { return Ok(Vec::new()) };
@@ -98,7 +98,7 @@ fn hulls_of(piece: &Piece<'_>) -> Result<Vec<Hull>, ExportError> {
         .collect())
 }
 
-/// The plane that robots drive on.
+/// Writes the plane on which robots drive.
 fn floor(xml: &mut Xml<'_>, world: &World) -> Result<(), ExportError> {
     let half = 0.5 * world.bounds.size();
     let attributes = [

@@ -1,8 +1,8 @@
-//! Writing worlds: every format that a world can be written in, by the ending of the file's name.
+//! Writing worlds, in the format that the ending of the file's name selects.
 //!
-//! A [`Format`] is one line of a table: what it is, and for each of its files the ending
-//! and the function that writes it. Most formats are one file; a format with several, such as an
-//! image with its description, lists the file that refers to the others first.
+//! A [`Format`] is one line of a table, with a summary of the format and, for each of its files, the ending and the
+//! function that writes it. Most formats have one file. A format with several files, such as an image with its
+//! description, lists the file that refers to the others first.
 //!
 //! ```
 //! use envgen::export::{Format, Job};

@@ -1,4 +1,4 @@
-//! MovingAI maps and scenarios.
+//! Maps and scenarios of the MovingAI benchmarks.
 //!
 //! Format: N. R. Sturtevant, Benchmarks for grid-based pathfinding, IEEE Transactions on
 //! Computational Intelligence and AI in Games 4 (2), 2012, <https://doi.org/10.1109/TCIAIG.2012.2197681>, and
@@ -11,11 +11,11 @@ use crate::landscape::paths::TravelMap;
 use crate::seed::Seed;
 use crate::world::ClassRaster;
 
-/// Writes which cells can be passed as a MovingAI map: `.` for plain ground, `S` (swamp) for
-/// ground that is slower, `@` for what cannot be passed and for no data.
+/// Writes the passable cells of a raster as a MovingAI map: `.` for plain ground, `S` (swamp) for slower ground,
+/// `@` for cells that cannot be passed and for no data.
 ///
 /// # Errors
-/// When the raster's sizes do not fit together, or writing fails.
+/// When the raster's sizes do not fit together, or when writing fails.
 pub fn write_map(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<()> {
     check(raster).map_err(io::Error::other)?;
     write!(out, "type octile\nheight {}\nwidth {}\nmap\n", raster.rows, raster.cols)?;
@@ -35,28 +35,28 @@ pub fn write_map(raster: &ClassRaster, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// A task of path planning on a MovingAI map; x to the right, y down from the top left cell.
+/// A path planning task on a MovingAI map. Positions count x to the right and y down from the top left cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// The task's group: a quarter of the path's length.
+    /// The task's group: a quarter of the length of the path.
     pub bucket: u32,
-    /// Name of the map's file.
+    /// Name of the map file.
     pub map: String,
-    /// Columns of the map.
+    /// Number of columns of the map.
     pub width: u32,
-    /// Rows of the map.
+    /// Number of rows of the map.
     pub height: u32,
-    /// Start, x and y.
+    /// The start, as x and y.
     pub start: [u32; 2],
-    /// Goal, x and y.
+    /// The goal, as x and y.
     pub goal: [u32; 2],
-    /// Length of the shortest path in cells, with diagonal steps of sqrt 2 that cut no corners and
-    /// all ground alike.
+    /// Length of the shortest path in cells, with diagonal steps of sqrt 2 that do not cut corners. All ground has
+    /// the same cost.
     pub length: f64,
 }
 
-/// Draws tasks between uniformly random cells of the largest region that can be passed, in order
-/// of length; none where there are less than two such cells.
+/// Draws tasks between uniformly random cells of the largest passable region, sorted by length. There are no tasks
+/// if that region has fewer than two cells.
 ///
 /// ```
 /// use envgen::export::movingai::{scenarios, write_scenarios};

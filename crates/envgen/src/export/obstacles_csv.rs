@@ -1,11 +1,11 @@
-//! What stops a robot, and start and goal, as comma-separated values.
+//! The solid parts of a world, with start and goal, as comma-separated values.
 //!
-//! One line per part under the header `part,index,kind,shape,x,y,heading,length,width,radius,points,bottom,top`: the
-//! part's list and its place in it, what it is, its shape in metres and radians, and the heights in metres of its
-//! bottom and its top. A `box` has a middle, a heading,
-//! and its size along and across it; a `disc` a middle and a radius; a `segment` and a `polygon` their points, as
-//! `x y` with semicolons between them. A `pose` is the start or the goal. Numbers have as many digits as are
-//! needed to read the same ones back.
+//! There is one line per part under the header
+//! `part,index,kind,shape,x,y,heading,length,width,radius,points,bottom,top`: the part's list and its index in that
+//! list, its kind, its shape in metres and radians, and the heights of its bottom and top in metres. A `box` has a
+//! centre, a heading, and its size along and across the heading; a `disc` has a centre and a radius; a `segment`
+//! and a `polygon` have their points, as `x y` with semicolons between them. A `pose` is the start or the goal.
+//! Numbers have as many digits as are needed to read the same numbers back.
 
 use std::io::Write;
 
@@ -22,7 +22,7 @@ const HEADER: [&str; 13] = [
     "bottom", "top",
 ];
 
-/// A line, in the order of the header.
+/// A line of the file, with fields in the order of the header.
 #[derive(Default, Serialize)]
 struct Row<'a> {
     part: &'a str,

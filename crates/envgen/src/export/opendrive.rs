@@ -1,11 +1,10 @@
 //! Roads as ASAM OpenDRIVE 1.7.
 //!
-//! Each road strip is a `road` whose reference line is the strip's centreline: lines, arcs and
-//! spirals, exactly as the world holds them. Numbers are written with as many digits as are needed to
-//! read the same ones back, at most 17. Lanes lie beside the reference line, half of them on each
-//! side; of an odd number one more lies to the right, and a lane offset moves the border
-//! between them to its position. A closed strip is linked to itself. Kerbs and other solids are objects of the road
-//! nearest to them.
+//! Each road strip is a `road` whose reference line is the strip's centreline: lines, arcs and spirals, exactly as
+//! in the world. Numbers are written with as many digits as are needed to read the same numbers back, at most 17.
+//! Lanes lie beside the reference line, half of them on each side. If their number is odd, one more lies to the
+//! right, and a lane offset moves the border between them to its position. A closed strip is linked to itself.
+//! Kerbs and other solids are objects of the road that is nearest to them.
 
 use std::io::Write;
 
@@ -150,7 +149,7 @@ fn lane(xml: &mut Xml<'_>, strip: &RoadStrip, id: i64, outer: bool) -> Result<()
     })
 }
 
-/// The line at a lane's outer side: solid at the road's edge, otherwise broken.
+/// Writes the line at a lane's outer side, which is solid at the road's edge and otherwise broken.
 fn road_mark(xml: &mut Xml<'_>, edge: bool) -> Result<(), ExportError> {
     let attributes = [
         ("sOffset", number(0.0)),
@@ -166,7 +165,7 @@ fn lane_attributes(id: i64, kind: &str) -> [Attribute; 3] {
     [("id", id.to_string()), ("type", kind.into()), ("level", "false".into())]
 }
 
-/// A cubic polynomial that is constant.
+/// Returns the attributes of a constant cubic polynomial.
 fn cubic(from: &'static str, value: f64) -> [Attribute; 5] {
     let zero = || number(0.0);
     [(from, zero()), ("a", number(value)), ("b", zero()), ("c", zero()), ("d", zero())]

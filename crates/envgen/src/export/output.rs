@@ -1,4 +1,4 @@
-//! The files that a command is asked to write: none before all are complete, none over another.
+//! The output files of a command: no file is replaced before all are complete, and no two outputs are the same file.
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -9,41 +9,41 @@ use super::{ExportError, Format, Job, Writer};
 use crate::located::{Locate, Located};
 use crate::whole_file::{WholeFile, commit_all, is_same, refuse_inputs};
 
-/// The option that names outputs.
+/// The option that names output files.
 const OPTION: &str = "--out";
 
-/// A file to write.
+/// An output file.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// The name given to `--out`, which selects the format.
+    /// The name that was given to `--out`, which selects the format.
     pub asked: PathBuf,
-    /// The format.
+    /// The format of the file.
     pub format: Format,
-    /// The name of this file; a format can have several.
+    /// The name of this file. A format can have several files.
     pub path: PathBuf,
     write: Writer,
 }
 
-/// Why a file cannot be an output.
+/// The reasons why a file cannot be an output.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// Its ending is of no format.
+    /// The ending of its name does not belong to any format.
     #[error(transparent)]
     Format(#[from] ExportError),
     /// Another output is the same file.
     #[error("is the same file as {OPTION} {}", .0.display())]
     Same(PathBuf),
-    /// It is an input, or it cannot be written.
+    /// The file is an input, or it cannot be written.
     #[error(transparent)]
     File(#[from] io::Error),
 }
 
 impl Output {
-    /// The requested files.
+    /// Returns the files for the requested names.
     ///
     /// # Errors
-    /// Unknown endings, files that are named twice, and files that are inputs.
+    /// For unknown endings, for files that are named twice, and for files that are inputs.
     pub fn all(asked: &[PathBuf], inputs: &[PathBuf]) -> Result<Vec<Output>, Located<OutputError>> {
         let mut outputs: Vec<Output> = Vec::new();
         for asked in asked {
@@ -62,7 +62,7 @@ impl Output {
         Ok(outputs)
     }
 
-    /// The files of the format that a name's ending gives.
+    /// Returns the files of the format that the ending of a name selects.
     fn of(asked: &Path) -> Result<Vec<Output>, ExportError> {
         let format = Format::from_path(asked)?;
         let files = format.files().iter().enumerate().map(|(i, &(ending, write))| {
@@ -76,15 +76,15 @@ impl Output {
     /// Begins the file, which appears when it is committed.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// When the file cannot be written.
     pub fn create(&self) -> Result<WholeFile, Located<io::Error>> {
         WholeFile::create(&self.path).in_option(OPTION, self.path.display())
     }
 
-    /// Whether the format can hold a world, and such as it: everything but the file.
+    /// Checks whether the format can contain a world, by writing it everywhere but to the file.
     ///
     /// # Errors
-    /// The format cannot hold the world.
+    /// When the format cannot contain the world.
     pub fn check(&self, job: &Job<'_>) -> Result<(), Located<ExportError>> {
         (self.write)(job, &mut io::sink()).in_option(OPTION, self.path.display())
     }
@@ -92,7 +92,7 @@ impl Output {
     /// Writes the file's content.
     ///
     /// # Errors
-    /// The format cannot hold the world, or the file cannot be written.
+    /// When the format cannot contain the world, or when the file cannot be written.
     pub fn write(&self, job: &Job<'_>, file: &mut WholeFile) -> Result<(), Located<ExportError>> {
         self.fill(job, file).in_option(OPTION, self.path.display())
     }
@@ -103,8 +103,8 @@ impl Output {
     }
 }
 
-/// Writes a world to a file, in the format that the ending of its name gives, and to the other files of this format.
-/// None appears before all are complete; files that exist are replaced.
+/// Writes a world to a file, in the format that the ending of its name selects, and to the other files of this
+/// format. No file appears before all are complete; existing files are replaced.
 ///
 /// ```
 /// use envgen::export::{Job, write_whole};
@@ -119,7 +119,8 @@ impl Output {
 /// ```
 ///
 /// # Errors
-/// Names the file: its ending is of no format, the format cannot hold the world, or it cannot be written.
+/// Names the file, if the ending of its name does not belong to any format, if the format cannot contain the world,
+/// or if the file cannot be written.
 pub fn write_whole(job: &Job<'_>, path: &Path) -> Result<Vec<PathBuf>, Located<OutputError>> {
     let outputs = Output::of(path).map_err(OutputError::Format).in_file(path)?;
     let mut files = Vec::new();

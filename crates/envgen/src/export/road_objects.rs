@@ -1,8 +1,9 @@
-//! What is solid in a world with roads, as objects of ASAM OpenDRIVE: walls (kerbs among them), lintels, closed doors,
-//! trees and obstacles, each with its bottom and top.
+//! The solid parts of a world with roads, as objects of ASAM OpenDRIVE: walls (including kerbs), lintels, closed
+//! doors, trees and obstacles, each with its bottom and top.
 //!
-//! An object belongs to the road whose reference line is nearest to its middle. Its local axes have their origin on the
-//! normal of that line, or, where the middle is beyond an end or outside a kink, on the line, and the line's heading.
+//! An object belongs to the road whose reference line is nearest to its middle. The heading of its local axes is
+//! that of this line. Their origin lies on the normal of the line or, if the middle is beyond an end of the line or
+//! outside a kink, on the line.
 
 use glam::DVec2;
 
@@ -14,10 +15,10 @@ use crate::outline::outline;
 use crate::pieces::{Form, Piece, pieces};
 use crate::world::{Extent, PartKind, World};
 
-/// In metres: what is nearer to the normal of the reference line is on it.
+/// The greatest distance, in metres, of a point that counts as on the normal of the reference line.
 const BESIDE: f64 = 1e-9;
 
-/// At a kink there are two headings: this far from it, in metres, there is one.
+/// The distance from a kink, in metres, at which the heading is read, because there are two headings at the kink.
 const OFF_KINKS: f64 = 1e-6;
 
 /// The least turn of a kink within twice that distance, in radians. Curves turn by less.
@@ -26,17 +27,17 @@ const KINK: f64 = 1e-3;
 /// The solid pieces of a world, by road.
 pub(super) struct RoadObjects<'a>(Vec<Vec<Object<'a>>>);
 
-/// A solid piece, and where its local axes are.
+/// A solid piece, and the position of its local axes.
 struct Object<'a> {
     piece: Piece<'a>,
     /// Distance along the road in metres.
     s: f64,
-    /// The reference line there.
+    /// The pose of the reference line there.
     line: Pose,
 }
 
 impl<'a> RoadObjects<'a> {
-    /// Of a world whose roads have these reference lines.
+    /// Assigns the solid pieces of a world to its roads, which have these reference lines.
     pub(super) fn of(world: &'a World, paths: &[Path<'_>]) -> Self {
         let indices: Vec<PathIndex> = paths.iter().map(PathIndex::new).collect();
         let mut roads: Vec<Vec<Object<'a>>> = paths.iter().map(|_| Vec::new()).collect();
@@ -67,7 +68,7 @@ impl<'a> RoadObjects<'a> {
     }
 }
 
-/// The place at a distance along a path, or one beside it where the path has a kink.
+/// Returns the position at a distance along a path, or one beside it if the path has a kink there.
 fn off_kinks(path: &Path<'_>, s: f64) -> (f64, Pose) {
     let end = path.length();
     let s = s.clamp(0.0, end);

@@ -15,41 +15,41 @@ use crate::occupancy::{self, Coverage, OccupancyError, OccupancyGrid};
 use crate::spec::{WorldKind, WorldSpec};
 use crate::world::World;
 
-/// The most cells of a map that is read or written.
+/// The greatest number of cells of a map that is read or written.
 pub const MAX_CELLS: u64 = 1 << 26;
 
-/// The cell sides that are read, in metres.
+/// The allowed cell sides of maps that are read, in metres.
 pub const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 
-/// More than rounding changes the place of an outline, in cells.
+/// An upper bound, in cells, of the rounding error of the position of an outline.
 const ROUNDING: f64 = 1e-6;
 
-/// Side in metres of the cells of a written map, unless the world is too large for it.
+/// The default side in metres of the cells of a written map, unless the world is too large for it.
 pub const RESOLUTION: f64 = 0.05;
 
-/// The most cells of a map where no resolution is given: an image of 17 MB.
+/// The greatest number of cells of a map if no resolution is given. Its image has 17 MB.
 pub const USUAL_CELLS: u64 = 1 << 24;
 
-/// Probability of occupancy above which a cell is occupied, in written maps.
+/// The probability of occupancy above which a cell of a written map is occupied.
 pub const OCCUPIED_THRESHOLD: f64 = 0.65;
 
-/// Probability of occupancy below which a cell is free, in written maps: the grey of unknown
-/// cells, 205, is just not below.
+/// The probability of occupancy below which a cell of a written map is free. The grey of unknown cells, 205, is
+/// just not below it.
 pub const FREE_THRESHOLD: f64 = 0.196;
 
-/// What is known of a cell.
+/// The state of a cell of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RosCell {
-    /// Nothing.
+    /// The cell is unknown.
     Unknown,
-    /// It is free.
+    /// The cell is free.
     Free,
-    /// It is occupied.
+    /// The cell is occupied.
     Occupied,
 }
 
 impl RosCell {
-    /// The grey of the cell in the image.
+    /// Returns the grey of the cell in the image.
     fn grey(self) -> u8 {
         match self {
             RosCell::Unknown => 205,
@@ -59,7 +59,7 @@ impl RosCell {
     }
 }
 
-/// A map: square cells over a rectangle that may be turned.
+/// A map: square cells over a rectangle that may be rotated.
 ///
 /// ```
 /// use envgen::export::ros_map::{RosCell, RosMap};
@@ -82,20 +82,20 @@ pub struct RosMap {
     pub resolution: f64,
     /// The lower left corner of the lowest, leftmost cell, and the direction of the rows.
     pub origin: Pose,
-    /// The cells, row by row from the lowest, `cols` per row.
+    /// The cells, row by row from the lowest, with `cols` cells per row.
     pub cells: Vec<RosCell>,
 }
 
 impl RosMap {
-    /// What a robot can learn of a world from its start.
+    /// Creates the map that a robot can learn of a world from its start.
     ///
-    /// Cells whose middle lies in a solid part are occupied, and cells that a part touches which is so thin that it may
-    /// miss all middles. The others are free where a path over their sides connects them to the
-    /// start, and unknown elsewhere: outside of a corridor or a building, in closed rooms, beside a
-    /// road, around a forest. In a world without a start all are free.
+    /// A cell is occupied if its centre lies in a solid part, or if it is touched by a part that is so thin that it
+    /// may miss all centres. The other cells are free if a path over their sides connects them with the start. They
+    /// are unknown elsewhere: outside a corridor or a building, in closed rooms, beside a road, and around a
+    /// forest. In a world without a start, all of them are free.
     ///
     /// # Errors
-    /// When the resolution is not positive, or makes more than [`MAX_CELLS`] cells.
+    /// When the resolution is not positive, or gives more than [`MAX_CELLS`] cells.
     pub fn of_world(world: &World, resolution: f64) -> Result<Self, OccupancyError> {
         size_in_cells(world, resolution)?;
         let mut grid = OccupancyGrid::empty(world.bounds, resolution)?;
@@ -142,18 +142,18 @@ impl RosMap {
         Ok(RosMap { cols: grid.cols(), resolution, origin: origin(world), cells })
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.cells.len() / self.cols.max(1)
     }
 
-    /// The cells' greys, the top row first, as in images.
+    /// Returns the greys of the cells, with the top row first, as in images.
     fn greys(&self) -> Vec<u8> {
         let rows = self.cells.chunks_exact(self.cols.max(1)).rev();
         rows.flatten().map(|cell| cell.grey()).collect()
     }
 
-    /// Writes the description of the map, with the name of its image's file.
+    /// Writes the description of the map, which contains the name of its image file.
     ///
     /// # Errors
     /// When writing fails.
@@ -186,13 +186,13 @@ impl RosMap {
     }
 }
 
-/// The lower left corner of the map of a world.
+/// Returns the lower left corner of the map of a world.
 pub(super) fn origin(world: &World) -> Pose {
     Pose { position: world.bounds.min, heading: 0.0 }
 }
 
-/// The resolution in metres of the map of a world where none is given: [`RESOLUTION`], or coarser by
-/// the power of two that gives at most [`USUAL_CELLS`].
+/// Returns the default resolution in metres of the map of a world: [`RESOLUTION`], or the resolution that is
+/// coarser by the power of two that gives at most [`USUAL_CELLS`].
 ///
 /// ```
 /// use envgen::export::ros_map::{size_in_cells, usual_resolution};
@@ -218,7 +218,7 @@ pub fn usual_resolution(world: &World) -> f64 {
     resolution
 }
 
-/// Columns and rows of the map of a world, computed without making the map.
+/// Returns the numbers of columns and rows of the map of a world, without making the map.
 ///
 /// # Errors
 /// As [`RosMap::of_world`].
@@ -245,11 +245,11 @@ pub(super) fn write_description(
     writeln!(out, "free_thresh: {FREE_THRESHOLD}")
 }
 
-/// How far the drawn edge of a road may stray from the true one, in metres.
+/// The greatest deviation, in metres, of the drawn edge of a road from the true edge.
 const EDGE_TOLERANCE: f64 = 0.01;
 
-/// Closes what lies beyond the bounds, where the last row and column may have their middles, and the
-/// outside of worlds that no walls enclose: the ground beside a road, and around the area of a forest.
+/// Closes the cells beyond the bounds, where the centres of the last row and column may lie, and those outside of
+/// worlds that are not enclosed by walls: the ground beside a road, and around the area of a forest.
 fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
     let (frame, end) = (grid.frame(), world.bounds.max - 1e-9 * grid.resolution());
     for (cell, open) in open.iter_mut().enumerate() {
@@ -293,7 +293,7 @@ fn close_outside(world: &World, grid: &OccupancyGrid, open: &mut [bool]) {
     }
 }
 
-/// The spec of a generated world, if it is a valid one of this version.
+/// Returns the spec of a generated world, if it is a valid spec of this version.
 fn spec_of(world: &World) -> Option<WorldSpec> {
     let provenance = world.provenance.original();
     let kind: WorldKind = provenance.kind.parse().ok()?;
@@ -303,7 +303,7 @@ fn spec_of(world: &World) -> Option<WorldSpec> {
     WorldSpec::from_provenance(&provenance).ok().filter(|spec| spec.validate().is_ok())
 }
 
-/// The lines across the open ends of a hallway, from the outside of one wall to that of the other.
+/// Returns the lines across the open ends of a hallway, from the outside of one wall to the outside of the other.
 fn open_ends(world: &World) -> Vec<[DVec2; 2]> {
     let original = world.provenance.original();
     let (Some(WorldSpec::Hallway(spec)), Some(seed)) = (spec_of(world), original.seed) else {
@@ -328,7 +328,7 @@ fn open_ends(world: &World) -> Vec<[DVec2; 2]> {
     ends.into_iter().flatten().filter(is_here).collect()
 }
 
-/// The open cell whose middle is nearest to a point.
+/// Returns the open cell whose centre is nearest to a point.
 pub(super) fn nearest(grid: &OccupancyGrid, open: &[bool], p: DVec2) -> Option<usize> {
     let frame = grid.frame();
     if let Some(cell) = frame.index_at(p).filter(|&cell| open[cell]) {

@@ -1,9 +1,9 @@
-//! Worlds for Gazebo: SDFormat 1.9.
+//! Worlds for Gazebo, as SDFormat 1.9.
 //!
-//! One static model, `parts`, has a link for each piece of the world, named as the piece, with a collision and a
-//! visual named as its kind: boxes, cylinders and extruded outlines; floors, surfaces and crowns have no
-//! collision. The model `floor` is a plane to drive on. Start and goal are frames. The provenance is an element of
-//! the namespace `envgen`, which readers pass over.
+//! The static model `parts` has a link for each piece of the world, with the name of the piece. The link has a
+//! collision and a visual with the name of the piece's kind: boxes, cylinders and extruded outlines. Floors,
+//! surfaces and crowns have no collision. The model `floor` is a plane on which robots drive. Start and goal are
+//! frames. The provenance is an element of the namespace `envgen`, which readers skip.
 
 use std::io::Write;
 
@@ -17,7 +17,7 @@ use crate::palette::Srgb;
 use crate::pieces::{Form, Piece, pieces};
 use crate::world::World;
 
-/// Identifies the element that is not SDFormat's.
+/// The namespace of the element that is not part of SDFormat.
 const NAMESPACE: &str = "https://docs.rs/envgen";
 
 /// Writes a world.
@@ -62,7 +62,7 @@ fn sun(xml: &mut Xml<'_>) -> Result<(), ExportError> {
     })
 }
 
-/// The plane that robots drive on.
+/// Writes the plane on which robots drive.
 fn floor(xml: &mut Xml<'_>, world: &World) -> Result<(), ExportError> {
     model(xml, "floor", |xml| {
         xml.nest("link", &[("name", "floor".to_owned())], |xml| {

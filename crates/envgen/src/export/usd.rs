@@ -1,9 +1,9 @@
 //! Worlds as Universal Scene Description in text (USDA), for Isaac Sim, Omniverse, Blender and usdview.
 //!
-//! Each piece of the world is a prim under `/World`, named as the piece, in metres with z up: a cube, a cylinder or
-//! a sphere, and for other outlines a closed mesh. Solids have the `PhysicsCollisionAPI` of USD; meshes collide
-//! with their triangles. Kind, role, list and index of a part are `userProperties`. Start and goal are prims without a
-//! form, whose x axis is the heading. The provenance is `userProperties:provenance` of `/World`.
+//! Each piece of the world is a prim below `/World` with the name of the piece, in metres with z up: a cube, a
+//! cylinder or a sphere, and for other outlines a closed mesh. Solids have USD's `PhysicsCollisionAPI`; meshes
+//! collide with their triangles. Kind, role, list and index of a part are `userProperties`. Start and goal are
+//! prims without a form, whose x axis is the heading. The provenance is `userProperties:provenance` of `/World`.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -21,11 +21,11 @@ use crate::mesh::Mesh;
 use crate::pieces::{Form, Piece, pieces};
 use crate::world::World;
 
-/// The list of schemas, which adds to what other layers apply. The writer leaves out the brackets of list operations
-/// of one item, which Pixar's reader refuses: so it is written as a list.
+/// The list of schemas, which adds to those that other layers apply. The writer leaves out the brackets of list
+/// operations with one item, which Pixar's reader refuses; therefore it is written as a list.
 const PREPENDED_SCHEMAS: &str = "prepend apiSchemas";
 
-/// Thickness in metres of what robots drive on.
+/// Thickness in metres of the slab on which robots drive.
 const FLOOR_THICKNESS: f64 = 0.1;
 
 /// Writes a world.
@@ -127,7 +127,7 @@ fn write_piece(layer: &mut Layer, root: &mut Prim, piece: &Piece<'_>) -> Result<
     Ok(())
 }
 
-/// What robots drive on: a slab below the whole world that is not drawn.
+/// Writes the slab on which robots drive, below the whole world. It is not drawn.
 fn write_floor(layer: &mut Layer, root: &mut Prim, world: &World) -> Result<(), ExportError> {
     let mut prim = root.child("floor_plane", "Cube")?;
     prim.attribute(layer, "size", "double", Value::Double(1.0))?;
@@ -146,7 +146,7 @@ fn token(text: &str) -> Value {
     Value::Token(text.into())
 }
 
-/// An error of the writer; one of the output stays what it is.
+/// Converts an error of the writer. An error of the output remains as it is.
 fn failure(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Error {
     match error.into().downcast::<io::Error>() {
         Ok(error) => *error,
@@ -160,7 +160,7 @@ fn narrow(p: DVec3) -> Vec3f {
     gf::vec3f(x, y, z)
 }
 
-/// A file as it grows.
+/// A file that is being built.
 struct Layer(Data);
 
 impl Layer {
@@ -172,7 +172,7 @@ impl Layer {
     }
 }
 
-/// A prim as it grows; [`Prim::finish`] adds it to the layer.
+/// A prim that is being built. [`Prim::finish`] adds it to the layer.
 struct Prim {
     path: Path,
     of: &'static str,
@@ -203,7 +203,7 @@ impl Prim {
         spec.add(ChildrenKey::PrimChildren, Value::TokenVec(self.children));
     }
 
-    /// Adds an attribute with fields beside its type and value.
+    /// Adds an attribute with fields in addition to its type and value.
     fn property<const N: usize>(
         &mut self,
         layer: &mut Layer,
@@ -232,14 +232,14 @@ impl Prim {
         self.property(layer, name, (of, value), [])
     }
 
-    /// A word that does not change with time.
+    /// Adds a word that does not change with time.
     fn uniform(&mut self, layer: &mut Layer, name: &str, value: Value) -> Result<(), ExportError> {
         let of = if matches!(value, Value::TokenVec(_)) { "token[]" } else { "token" };
         let uniform = (FieldKey::Variability.as_str(), Value::Variability(Variability::Uniform));
         self.property(layer, name, (of, value), [uniform])
     }
 
-    /// A property that no schema knows.
+    /// Adds a property that no schema defines.
     fn user(
         &mut self,
         layer: &mut Layer,
@@ -251,7 +251,7 @@ impl Prim {
         self.property(layer, &format!("userProperties:{name}"), (of, value), [custom])
     }
 
-    /// The corners of a box around the form, in its own frame.
+    /// Adds the corners of a box around the form, in the form's own frame.
     fn extent(&mut self, layer: &mut Layer, low: DVec3, high: DVec3) -> Result<(), ExportError> {
         let corners = Value::Vec3fVec(vec![narrow(low), narrow(high)]);
         self.attribute(layer, "extent", "float3[]", corners)
@@ -279,7 +279,7 @@ impl Prim {
         self.uniform(layer, "xformOpOrder", Value::TokenVec(order))
     }
 
-    /// The triangles of a mesh; corners at the same place are one, with a normal for each triangle.
+    /// Adds the triangles of a mesh. Corners at the same position are one corner, with a normal for each triangle.
     fn mesh(&mut self, layer: &mut Layer, mesh: &Mesh) -> Result<(), ExportError> {
         let mut places: BTreeMap<[u64; 3], i32> = BTreeMap::new();
         let mut points = Vec::new();

@@ -1,4 +1,4 @@
-//! Writing XML.
+//! A writer for XML.
 
 use std::io::Write;
 
@@ -10,26 +10,26 @@ use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 use super::error::ExportError;
 use crate::xml_text::allowed;
 
-/// A name and its value.
+/// The name and the value of an attribute.
 pub(super) type Attribute = (&'static str, String);
 
-/// As many digits as are needed to read the same number back.
+/// Formats a number with as many digits as are needed to read the same number back.
 pub(super) fn number(value: f64) -> String {
     let plain = value.to_string();
     if plain.len() <= 24 { plain } else { format!("{value:e}") }
 }
 
-/// Numbers with a space between them.
+/// Formats numbers with a space between them.
 #[cfg(any(feature = "sdf", feature = "mjcf"))]
 pub(super) fn numbers(values: impl IntoIterator<Item = f64>) -> String {
     values.into_iter().map(number).collect::<Vec<_>>().join(" ")
 }
 
-/// A document, written element by element.
+/// A document that is written element by element.
 pub(super) struct Xml<'a>(Writer<&'a mut dyn Write>);
 
 impl<'a> Xml<'a> {
-    /// A document without elements.
+    /// Begins a document without elements.
     pub(super) fn begin(out: &'a mut dyn Write) -> Result<Self, ExportError> {
         let mut xml = Xml(Writer::new_with_indent(out, b' ', 2));
         xml.0.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
@@ -41,13 +41,13 @@ impl<'a> Xml<'a> {
         Ok(self.0.get_mut().write_all(b"\n")?)
     }
 
-    /// An element without content.
+    /// Writes an element without content.
     #[cfg(any(feature = "mjcf", feature = "opendrive"))]
     pub(super) fn leaf(&mut self, name: &str, attributes: &[Attribute]) -> Result<(), ExportError> {
         Ok(self.0.write_event(Event::Empty(element(name, attributes)))?)
     }
 
-    /// An element that holds a text.
+    /// Writes an element that contains a text.
     #[cfg(feature = "sdf")]
     pub(super) fn text(&mut self, name: &str, text: &str) -> Result<(), ExportError> {
         self.0.write_event(Event::Start(element(name, &[])))?;
@@ -55,7 +55,7 @@ impl<'a> Xml<'a> {
         Ok(self.0.write_event(Event::End(BytesEnd::new(name)))?)
     }
 
-    /// An element that holds others.
+    /// Writes an element that contains other elements.
     pub(super) fn nest(
         &mut self,
         name: &str,
