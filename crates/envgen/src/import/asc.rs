@@ -7,12 +7,12 @@ use glam::DVec2;
 use super::raster::{ImportedRaster, RasterFileError, check_size};
 use crate::file;
 
-/// The no-data value where the header gives none.
+/// The default no-data value, if the header does not give one.
 const NO_DATA: f64 = -9999.0;
 
-/// Reads an ESRI ASCII grid of whole numbers: `ncols`, `nrows`, `xllcorner` or `xllcenter`,
-/// `yllcorner` or `yllcenter`, `cellsize` and, optionally, `NODATA_value`, then the values, the
-/// top row first. Source: ESRI ASCII raster format, `ArcGIS` documentation.
+/// Reads an ESRI ASCII grid of whole numbers: `ncols`, `nrows`, `xllcorner` or `xllcenter`, `yllcorner` or
+/// `yllcenter`, `cellsize` and, optionally, `NODATA_value`; then the values, with the top row first. Source: ESRI
+/// ASCII raster format, `ArcGIS` documentation.
 ///
 /// ```
 /// use envgen::glam::DVec2;
@@ -27,7 +27,7 @@ const NO_DATA: f64 = -9999.0;
 /// ```
 ///
 /// # Errors
-/// Names the line with the mistake.
+/// Names the line that contains the mistake.
 pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
     let text = file::read_text(input)?;
     let wrong = |line: usize, what: String| RasterFileError::Line { line, what };

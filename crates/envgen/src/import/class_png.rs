@@ -9,12 +9,12 @@ use super::raster::{ImportedRaster, RasterFileError, check_size};
 use crate::export::class_png::CELL_KEY;
 use crate::file::{self, PICTURE_KEY};
 
-/// Reads an image as classes: the index of an indexed image, the grey of a grey one, and the
-/// colour of any other as the number `0xRRGGBB`. Transparent pixels are no data. A cell has a side
-/// of 1 m where the image does not give one.
+/// Reads an image as classes: the index of an indexed image, the grey of a grey image, and the colour of any other
+/// image as the number `0xRRGGBB`. Transparent pixels are no data. A cell has a side of 1 m unless the image gives
+/// another one.
 ///
 /// # Errors
-/// When the file is not a PNG image, or has too many pixels.
+/// When the file is not a PNG image, or when it has too many pixels.
 pub fn read_class_png(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
     let bytes = file::read_bytes(input)?;
     let mut decoder = Decoder::new(std::io::Cursor::new(bytes));
@@ -63,7 +63,7 @@ pub fn read_class_png(input: &mut dyn Read) -> Result<ImportedRaster, RasterFile
     ImportedRaster::new(rows, cols, cell, DVec2::ZERO, &values)
 }
 
-/// The class of a pixel of the given samples; `None` where it is transparent.
+/// Returns the class of a pixel with the given samples; `None` if it is transparent.
 fn pixel(
     color: ColorType,
     bits: usize,

@@ -1,4 +1,4 @@
-//! Worlds from GeoJSON, in metres; for the format see [`export`](crate::export).
+//! Worlds from GeoJSON in metres; [`export`](crate::export) describes the format.
 
 use std::io::Read;
 use std::str::FromStr;
@@ -23,7 +23,7 @@ use crate::world::{
 
 const FORMAT: &str = "GeoJSON";
 
-/// The parts of worlds that a feature can say it is.
+/// The parts of worlds that a feature can represent.
 const PARTS: [&str; 10] = [
     "start",
     "goal",
@@ -37,26 +37,28 @@ const PARTS: [&str; 10] = [
     "obstacle",
 ];
 
-/// The most positions that are read.
+/// The greatest number of positions that are read.
 const MAX_POSITIONS: usize = 1 << 22;
 
-/// The most corners of a polygon with holes, which becomes triangles.
+/// The greatest number of corners of a polygon with holes, which is divided into triangles.
 const MAX_HOLED_CORNERS: usize = 1 << 16;
 
-/// A corner of a disc lies on its circle up to this share of the radius.
+/// The greatest distance of a disc's corner from its circle, as a share of the radius.
 const ON_CIRCLE: f64 = 1e-6;
 
-/// Bounds of a file without width or height are made this much wider on all sides, in metres.
+/// The margin in metres by which the bounds of a file without width or height are enlarged on all sides.
 const LEAST_MARGIN: f64 = 0.5;
 
 /// Reads a world from features in metres.
 ///
-/// A property `part` says what a feature is, as in the files that this crate writes. Other polygons are
-/// obstacles, lines are walls without thickness, and points with a `radius` are discs; points without are left
-/// out. A polygon with holes becomes triangles. Without a start one of most clearance is found.
+/// The property `part` names the part that a feature represents, as in the files that this crate writes. Without
+/// it, polygons are obstacles, lines are walls without thickness, and points with a `radius` are discs; points
+/// without a radius are left out. A polygon with holes is divided into triangles. If there is no start, the point
+/// of greatest clearance becomes the start.
 ///
 /// # Errors
-/// When the text is not GeoJSON, a property has a value that is not allowed, or the world breaks an invariant.
+/// When the text is not GeoJSON, when a property has a value that is not allowed, or when the world breaks an
+/// invariant.
 pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
     let text = read_text(input)?;
     let wrong = |error: geojson::Error| PlanError::syntax(FORMAT, error.to_string());
@@ -112,7 +114,7 @@ pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
     Ok(world)
 }
 
-/// A rectangle around everything.
+/// Returns a rectangle around everything.
 fn bounds_of(world: &World, bbox: Option<Rect>) -> Rect {
     let solids = world.walls.iter().map(|wall| wall.shape.bounds());
     let solids = solids
@@ -131,14 +133,14 @@ fn bounds_of(world: &World, bbox: Option<Rect>) -> Rect {
     if around.size().min_element() > 0.0 { around } else { around.grown(LEAST_MARGIN) }
 }
 
-/// What a feature's geometry says.
+/// The geometry of a feature.
 enum Outline {
     Solid(Shape),
     Line(Vec<DVec2>),
     Point(DVec2),
 }
 
-/// A feature's properties, and its number from 0 for errors.
+/// The properties of a feature, and its number counted from 0, for errors.
 struct Properties {
     number: usize,
     properties: JsonObject,
@@ -149,7 +151,7 @@ impl Properties {
         format!("features[{}].{name}", self.number)
     }
 
-    /// A property of a type; `None` where it is absent or null.
+    /// Returns a property of a type; `None` if it is absent or null.
     fn get<T: DeserializeOwned>(&self, name: &str, allowed: &str) -> Result<Option<T>, PlanError> {
         match self.properties.get(name) {
             None | Some(JsonValue::Null) => Ok(None),
@@ -160,7 +162,7 @@ impl Properties {
         }
     }
 
-    /// A property of a shape, which files of others may use for anything.
+    /// Returns a property of a shape, which files of other programs may use for anything.
     fn shape<T: DeserializeOwned>(
         &self,
         name: &str,
@@ -275,7 +277,7 @@ impl Properties {
         Ok(())
     }
 
-    /// The disc that a polygon represents; none where single corners were moved.
+    /// Returns the disc that a polygon represents; `None` if single corners were moved.
     fn disc(&self, corners: &[DVec2]) -> Result<Option<Shape>, PlanError> {
         let center: Option<[f64; 2]> = self.shape("center", "two numbers")?;
         let radius: Option<f64> = self.shape("radius", "a number")?;
@@ -291,13 +293,13 @@ impl Properties {
         Ok(found.map(|center| Shape::Disc { center, radius }))
     }
 
-    /// The part of a world that it says it is; none of files of others.
+    /// Returns the part that the feature represents; an empty name for files of other programs.
     fn part(&self) -> &str {
         let part = self.properties.get("part").and_then(JsonValue::as_str).unwrap_or_default();
         if PARTS.contains(&part) { part } else { "" }
     }
 
-    /// The error of a part whose geometry is not what it has to be.
+    /// Returns the error for a part whose geometry is not of the required type.
     fn wrong_geometry(&self, allowed: &str) -> PlanError {
         PlanError::value(
             &self.field("geometry"),
@@ -445,8 +447,8 @@ impl Properties {
     }
 }
 
-/// The triangles of a polygon with holes, counter-clockwise. Not by `mesh::triangulate`: holes
-/// may touch the outline and each other, which it refuses.
+/// Returns the triangles of a polygon with holes, counter-clockwise. It does not use `mesh::triangulate`, which
+/// refuses holes that touch the outline or each other.
 fn triangles(rings: &[Vec<DVec2>]) -> impl Iterator<Item = Shape> {
     let corners: Vec<DVec2> = rings.concat();
     let starts = rings.iter().scan(0, |next, ring| {

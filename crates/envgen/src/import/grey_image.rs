@@ -1,7 +1,6 @@
-//! Images as shades: PGM and PNG.
+//! Grey images from PGM and PNG files.
 //!
-//! PGM is parsed here rather than by the crate `image`, whose version 0.25.10 differs in what
-//! matters for maps:
+//! PGM is parsed here, not by the crate `image`, whose version 0.25.10 differs in points that matter for maps:
 //!
 //! - It scales greys to 8 or 16 bits: 50 of 100 becomes 128 of 255, so that cells change at thresholds.
 //! - It accepts pixels above the greatest value, data after the last pixel, and images without pixels.
@@ -17,17 +16,17 @@ use thiserror::Error;
 
 use crate::export::ros_map::MAX_CELLS;
 
-/// Why an image cannot be read.
+/// The reasons why an image cannot be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// The format is not one that is read.
+    /// The format of the image is not supported.
     #[error("neither a PGM image (P2 or P5) nor a PNG image")]
     Format,
     /// A field of the PGM's header is not allowed.
     #[error("`{field}` of the PGM header must be {allowed}, got {value}")]
     Header {
-        /// Width, height or greatest value.
+        /// The name of the field: width, height or greatest value.
         field: &'static str,
         /// The value in the file.
         value: String,
@@ -37,25 +36,25 @@ pub enum ImageError {
     /// There are no pixels, or too many.
     #[error("the image must have from 1 to {MAX_CELLS} pixels, got {width} x {height}")]
     Size {
-        /// Columns.
+        /// Number of columns.
         width: u64,
-        /// Rows.
+        /// Number of rows.
         height: u64,
     },
-    /// The PGM holds more or less than its header says.
+    /// The PGM contains more or less data than its header states.
     #[error("the PGM must hold {expected} {unit} by its header, got {found}")]
     Length {
-        /// The number by its header.
+        /// The amount that the header states.
         expected: u64,
-        /// The number in the file.
+        /// The amount in the file.
         found: u64,
-        /// The unit: bytes or numbers.
+        /// The unit of these amounts: bytes or numbers.
         unit: &'static str,
     },
-    /// A value of the PGM is not a number, or above the greatest value.
+    /// A value of the PGM is not a number, or it is above the greatest value.
     #[error("pixel {pixel} of the PGM must be from 0 to {greatest}, got {value}")]
     Value {
-        /// The pixel, counted from 0 row by row from the top.
+        /// The index of the pixel, counted from 0 row by row from the top.
         pixel: u64,
         /// The value in the file.
         value: String,
@@ -67,12 +66,12 @@ pub enum ImageError {
     Png(#[from] png::DecodingError),
 }
 
-/// A pixel: the mean of its colours from 0 (black) to 1 (white), and how opaque it is.
+/// The shade of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shade {
-    /// Mean of red, green and blue.
+    /// Mean of red, green and blue, from 0 (black) to 1 (white).
     pub(super) colour: f64,
-    /// From 0, transparent, to 1; absent where the image has no transparency at all.
+    /// Opacity from 0 (transparent) to 1; absent if the image has no transparency at all.
     pub(super) alpha: Option<f64>,
 }
 
@@ -83,7 +82,7 @@ pub(super) struct GreyImage {
     pub(super) shades: Vec<Shade>,
 }
 
-/// Reads an image in the format that its first bytes give.
+/// Reads an image in the format that its first bytes indicate.
 pub(super) fn read_image(bytes: &[u8]) -> Result<GreyImage, ImageError> {
     match bytes {
         [b'P', kind @ (b'2' | b'5'), rest @ ..] => read_pgm(*kind == b'5', rest),
@@ -164,7 +163,7 @@ fn read_pgm(binary: bool, bytes: &[u8]) -> Result<GreyImage, ImageError> {
     Ok(GreyImage { cols: width as usize, shades: shades? })
 }
 
-/// The next word, with white space and comments before it skipped; empty at the end.
+/// Returns the next word, skipping white space and comments before it; empty at the end.
 fn next_word<'a>(rest: &mut &'a [u8]) -> &'a [u8] {
     loop {
         let blank = rest.iter().take_while(|byte| byte.is_ascii_whitespace()).count();

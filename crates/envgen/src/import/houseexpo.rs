@@ -1,4 +1,4 @@
-//! Houses of the data set HouseExpo; for the format see [`export`](crate::export).
+//! Houses of the data set HouseExpo; [`export`](crate::export) describes the format.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -17,16 +17,16 @@ use crate::world::{Contents, MAX_COORDINATE, Room, Wall, WallKind, World};
 
 const FORMAT: &str = "the JSON of a house of HouseExpo";
 
-/// The most corners of an outline that are read.
+/// The greatest number of corners of an outline that are read.
 const MAX_CORNERS: usize = 1 << 18;
 
-/// The most rooms that are read.
+/// The greatest number of rooms that are read.
 const MAX_ROOMS: usize = 1 << 16;
 
-/// Ground around the outline that belongs to the world's bounds, in metres.
+/// Width of the ground around the outline that belongs to the world's bounds, in metres.
 const MARGIN: f64 = 0.5;
 
-/// A house. Other fields are ignored.
+/// A house. Other fields of the file are ignored.
 #[derive(Deserialize)]
 struct House {
     #[serde(default)]
@@ -38,16 +38,17 @@ struct House {
     start: Option<[f64; 3]>,
     #[serde(default)]
     goal: Option<[f64; 3]>,
-    /// Of files of this crate.
+    /// The provenance, in files of this crate.
     #[serde(default)]
     provenance: Option<serde_json::Value>,
 }
 
-/// Reads a house: walls without thickness along the outline of its free ground, and its rooms, which are
-/// rectangles that may overlap. Without a start one of most clearance inside is found.
+/// Reads a house: walls without thickness along the outline of its free ground, and its rooms, which are rectangles
+/// that may overlap. If there is no start, the point of greatest clearance inside becomes the start.
 ///
 /// # Errors
-/// When the text is not the JSON of a house, it has too many corners or rooms, or the world breaks an invariant.
+/// When the text is not the JSON of a house, when it has too many corners or rooms, or when the world breaks an
+/// invariant.
 pub fn read_houseexpo(input: &mut dyn Read) -> Result<World, PlanError> {
     let house: House = serde_json::from_str(&read_text(input)?)
         .map_err(|error| PlanError::syntax(FORMAT, error.to_string()))?;
@@ -116,9 +117,9 @@ pub fn read_houseexpo(input: &mut dyn Read) -> Result<World, PlanError> {
     Ok(world)
 }
 
-/// Whether a JSON text is that of a house and not of a world: both files can end with `.json`.
+/// Whether a JSON text is that of a house rather than of a world. The names of both files can end with `.json`.
 pub(super) fn is_house(text: &str) -> bool {
-    /// The fields that tell them apart.
+    /// The fields that distinguish the two.
     #[derive(Deserialize)]
     struct Fields {
         verts: Option<serde::de::IgnoredAny>,

@@ -4,8 +4,8 @@ use serde_json::Value;
 
 use crate::provenance::{IMPORT, Provenance};
 
-/// The provenance of the world that a file was written from. What was read from a file and written again is made by
-/// what that file was made by, so that the values do not nest.
+/// Returns the provenance of the world from which a file was written. If that world was itself read from a file, it
+/// is the provenance in that file, so that the values do not nest.
 pub(super) fn made_by(found: Option<&Value>) -> Option<Value> {
     let provenance: Provenance = serde_json::from_value(found?.clone()).ok()?;
     match provenance.spec.get("made_by") {

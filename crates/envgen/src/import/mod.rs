@@ -1,4 +1,4 @@
-//! Reading worlds: every format that a world can be read from, by the ending of the file's name.
+//! Reading worlds, in the format that the ending of the file's name selects.
 
 mod asc;
 #[cfg(feature = "barn")]
@@ -53,11 +53,11 @@ use crate::landscape::raster_world;
 use crate::provenance::Provenance;
 use crate::world::World;
 
-/// Why a world could not be read.
+/// The reasons why a world could not be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The file's name has the ending of no format.
+    /// The ending of the file's name does not belong to any format.
     #[error("unknown file ending in `{path}`, expected one of {known}")]
     UnknownEnding {
         /// The file's name.
@@ -65,13 +65,13 @@ pub enum ImportError {
         /// The endings that exist.
         known: String,
     },
-    /// The file holds no world.
+    /// The file does not contain a world.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The file holds no raster.
+    /// The file does not contain a raster.
     #[error(transparent)]
     Raster(#[from] RasterFileError),
-    /// The file holds no map for robots.
+    /// The file does not contain a map for robots.
     #[cfg(feature = "ros")]
     #[error(transparent)]
     RosMap(#[from] RosMapError),
@@ -79,16 +79,16 @@ pub enum ImportError {
     #[cfg(feature = "usarsim")]
     #[error(transparent)]
     WorldGenerator(#[from] WorldGeneratorError),
-    /// The file holds no shapes of its format.
+    /// The file does not contain shapes of its format.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
 
-/// Reads a world and checks it. The path is that of the input, for formats whose files refer to
-/// others.
+/// A function that reads a world and checks it. The path is that of the input, for formats whose files refer to
+/// other files.
 pub type Reader = fn(&mut dyn Read, &Path) -> Result<World, ImportError>;
 
-/// The formats: the ending of the file's name and the reader.
+/// The formats, each with the ending of the file's name and the reader.
 pub const READERS: &[(&str, Reader)] = &[
     ("json", |input, _| read_json_or_house(input)),
     ("ron", |input, _| read_ron(input)),
@@ -109,7 +109,7 @@ pub const READERS: &[(&str, Reader)] = &[
     ("yml", world_of_ros_map),
 ];
 
-/// The reader of a file, selected by the ending of its name, in upper or lower case.
+/// Returns the reader of a file, selected by the ending of its name in upper or lower case.
 ///
 /// ```
 /// use std::path::Path;
@@ -127,7 +127,7 @@ pub const READERS: &[(&str, Reader)] = &[
 /// ```
 ///
 /// # Errors
-/// Lists the endings that exist.
+/// Returns an error that lists the endings that exist.
 pub fn reader(path: &Path) -> Result<Reader, ImportError> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
     let found = READERS.iter().find(|(known, _)| Some(*known) == ending.as_deref());
@@ -137,18 +137,18 @@ pub fn reader(path: &Path) -> Result<Reader, ImportError> {
     })
 }
 
-/// Reads a world from a file, in the format that the ending of its name gives.
+/// Reads a world from a file, in the format that the ending of its name selects.
 ///
 /// # Errors
-/// When the ending is unknown, or the file cannot be read or holds no world.
+/// When the ending is unknown, when the file cannot be read, or when it does not contain a world.
 pub fn read_world(path: &Path) -> Result<World, ImportError> {
     let reader = reader(path)?;
     let mut file = File::open(path).map_err(FileError::Io)?;
     reader(&mut file, path)
 }
 
-/// The files of which a world is read that no output may replace: the file itself, and the image that the description
-/// of a ROS map names.
+/// Returns the files from which a world is read, which outputs must not replace: the file itself, and the image
+/// that the description of a ROS map names.
 pub fn input_files(path: &Path) -> Vec<PathBuf> {
     #[cfg(feature = "ros")]
     let image = ros_map::image_of(path);
@@ -160,12 +160,12 @@ pub fn input_files(path: &Path) -> Vec<PathBuf> {
 /// Reads a world from its JSON file.
 ///
 /// # Errors
-/// When the file holds no world of this crate's schema, or an invalid one.
+/// When the file does not contain a world of this crate's schema, or when the world is invalid.
 pub fn read_json(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(World::from_json(&file::read_text(input)?)?)
 }
 
-/// Reads a world from its JSON file, or a house of HouseExpo: files of both end with `.json`.
+/// Reads a world from its JSON file, or a house of HouseExpo. The names of both files end with `.json`.
 fn read_json_or_house(input: &mut dyn Read) -> Result<World, ImportError> {
     let text = file::read_text(input)?;
     if houseexpo::is_house(&text) {
@@ -177,26 +177,26 @@ fn read_json_or_house(input: &mut dyn Read) -> Result<World, ImportError> {
 /// Reads a world from its RON file.
 ///
 /// # Errors
-/// When the file holds no world of this crate's schema, or an invalid one.
+/// When the file does not contain a world of this crate's schema, or when the world is invalid.
 pub fn read_ron(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(World::from_ron(&file::read_text(input)?)?)
 }
 
-/// Reads a project of the World Generator for `USARSim`, with the built-in rooms; see
-/// [`read_world_generator_project`] for other rooms, and for what is left out.
+/// Reads a project of the World Generator for `USARSim`, with the built-in rooms. See
+/// [`read_world_generator_project`] for other rooms.
 ///
 /// # Errors
-/// When the file is not a project, or a room is unknown, overlaps another or extends beyond the world.
+/// When the file is not a project, or when a room is unknown, overlaps another room or extends beyond the world.
 #[cfg(feature = "usarsim")]
 pub fn read_world_generator(input: &mut dyn Read) -> Result<World, ImportError> {
     Ok(read_world_generator_project(input, Catalogue::builtin(), &[])?.plan.to_world())
 }
 
-/// Reads a project of the World Generator for `USARSim`, with rooms of a catalogue and bare rooms of
-/// libraries.
+/// Reads a project of the World Generator for `USARSim`, with the rooms of a catalogue and, for other rooms, bare
+/// rooms of libraries.
 ///
 /// # Errors
-/// When the file is not a project, or a room is unknown, overlaps another or extends beyond the world.
+/// When the file is not a project, or when a room is unknown, overlaps another room or extends beyond the world.
 #[cfg(feature = "usarsim")]
 pub fn read_world_generator_project(
     input: &mut dyn Read,
@@ -215,7 +215,7 @@ pub fn read_world_generator_library(input: &mut dyn Read) -> Result<Vec<LibraryR
     Ok(read_library(&file::read_text(input)?)?)
 }
 
-/// Reads a ROS map; unknown cells are solid.
+/// Reads a ROS map, in which unknown cells count as solid.
 #[cfg(feature = "ros")]
 fn world_of_ros_map(input: &mut dyn Read, path: &Path) -> Result<World, ImportError> {
     let world = ros_map::read_ros_map(input, path)?.to_world(UnknownCells::default());
@@ -224,11 +224,11 @@ fn world_of_ros_map(input: &mut dyn Read, path: &Path) -> Result<World, ImportEr
 }
 
 impl ImportedRaster {
-    /// Reads a raster in the format that the ending of a file's name gives.
+    /// Reads a raster in the format that the ending of a file's name selects.
     ///
     /// # Errors
-    /// When the ending is unknown (the error lists the known ones), or the file holds no
-    /// raster of that format.
+    /// When the ending is unknown (the error lists the known ones), or when the file does not contain a raster of
+    /// that format.
     pub fn read(name: &Path, input: &mut dyn Read) -> Result<Self, RasterFileError> {
         let ending = name.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
         match ending.as_deref() {
@@ -243,7 +243,7 @@ impl ImportedRaster {
     }
 }
 
-/// The world of a raster that was read: all ground can be passed where the format has no speeds.
+/// Builds the world of a raster that was read. All ground can be passed if the format has no speeds.
 fn world_of_raster(format: &str, read: ImportedRaster) -> Result<World, ImportError> {
     let source = serde_json::json!({ "format": format, "labels": read.labels });
     let world = raster_world(read.raster, Provenance::other(IMPORT, source));

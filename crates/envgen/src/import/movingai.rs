@@ -1,4 +1,4 @@
-//! MovingAI maps and scenarios; for the format see [`export::movingai`](crate::export::movingai).
+//! MovingAI maps and scenarios; [`export::movingai`](crate::export::movingai) describes the format.
 
 use std::io::Read;
 
@@ -8,14 +8,12 @@ use super::raster::{ImportedRaster, RasterFileError, check_size};
 use crate::export::movingai::Scenario;
 use crate::file;
 
-/// The classes that a map's terrain becomes, with its letters and the factor on a robot's speed:
-/// ground, swamp, water, trees, and out of bounds. In the benchmarks an agent can pass the first
-/// two.
+/// The classes of a map's terrain, with their letters and the factor on a robot's speed: ground, swamp, water,
+/// trees, and out of bounds. In the benchmarks, an agent can pass the first two.
 const TERRAIN: [(&str, f64); 5] = [(".G", 1.0), ("S", 0.5), ("W", 0.0), ("T", 0.0), ("@O", 0.0)];
 
-/// Reads a MovingAI map as classes: 1 ground (`.`, `G`), 2 swamp (`S`), 3 water (`W`), 4 trees
-/// (`T`), 5 out of bounds (`@`, `O`). Ground has the speed 1, swamp 0.5, the others 0; a cell has
-/// a side of 1 m.
+/// Reads a MovingAI map as classes: 1 ground (`.`, `G`), 2 swamp (`S`), 3 water (`W`), 4 trees (`T`), 5 out of
+/// bounds (`@`, `O`). Ground has the speed 1, swamp 0.5, the other classes 0. A cell has a side of 1 m.
 ///
 /// ```
 /// use envgen::import::read_map;
@@ -29,7 +27,7 @@ const TERRAIN: [(&str, f64); 5] = [(".G", 1.0), ("S", 0.5), ("W", 0.0), ("T", 0.
 /// ```
 ///
 /// # Errors
-/// Names the line with the mistake.
+/// Names the line that contains the mistake.
 pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
     let text = file::read_text(input)?;
     let wrong = |line: usize, what: String| RasterFileError::Line { line, what };
@@ -92,7 +90,7 @@ pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
 /// ```
 ///
 /// # Errors
-/// Names the line with the mistake.
+/// Names the line that contains the mistake.
 pub fn read_scenarios(input: &mut dyn Read) -> Result<Vec<Scenario>, RasterFileError> {
     let text = file::read_text(input)?;
     let mut tasks = Vec::new();

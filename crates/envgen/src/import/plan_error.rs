@@ -1,4 +1,4 @@
-//! Why a file of shapes could not be read.
+//! Errors of reading files of shapes.
 
 use std::path::PathBuf;
 
@@ -7,25 +7,25 @@ use thiserror::Error;
 use crate::error::SpecError;
 use crate::file::FileError;
 
-/// Why a file of shapes (of BARN, as GeoJSON or of HouseExpo) could not be read.
+/// The reasons why a file of shapes (from BARN, as GeoJSON or from HouseExpo) could not be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PlanError {
     /// Reading failed.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The file is not of its format.
+    /// The file does not have its format.
     #[error("not {format}: {reason}")]
     Syntax {
         /// The format.
         format: &'static str,
-        /// The mistake, and where it is.
+        /// The mistake, and its position.
         reason: String,
     },
     /// A value is not allowed.
     #[error(transparent)]
     Value(#[from] SpecError),
-    /// A file that belongs to this one is wrong.
+    /// A file that belongs to this one is invalid.
     #[error("{path}: {error}")]
     Beside {
         /// The path of that file.
@@ -40,7 +40,7 @@ impl PlanError {
         PlanError::Syntax { format, reason: reason.into() }
     }
 
-    /// A value that is not allowed.
+    /// Returns the error for a value that is not allowed.
     pub(super) fn value(
         field: &str,
         value: impl std::fmt::Display,

@@ -1,4 +1,4 @@
-//! Rasters of classes, from ESRI ASCII grids, PNG images, JSON and MovingAI maps.
+//! Rasters of classes from ESRI ASCII grids, PNG images, JSON and MovingAI maps.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -11,14 +11,14 @@ use crate::file::{self, FileError};
 use crate::landscape::MAX_CELLS;
 use crate::world::ClassRaster;
 
-/// Why no raster of classes could be read.
+/// The reasons why no raster of classes could be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RasterFileError {
     /// Reading failed.
     #[error(transparent)]
     File(#[from] FileError),
-    /// The file's name has the ending of no raster format.
+    /// The ending of the file's name does not belong to any raster format.
     #[error("`{0}` is not a raster of classes: its name must end in {ENDINGS}")]
     UnknownEnding(String),
     /// The image is a picture that this crate drew.
@@ -27,27 +27,27 @@ pub enum RasterFileError {
     /// There are no cells, or too many.
     #[error("the raster must have from 1 to {MAX_CELLS} cells, got {rows} rows of {cols}")]
     Size {
-        /// Rows.
+        /// Number of rows.
         rows: u64,
-        /// Columns.
+        /// Number of columns.
         cols: u64,
     },
     /// A line of the file has a mistake.
     #[error("line {line}: {what}")]
     Line {
-        /// Its number, counted from 1.
+        /// The number of the line, counted from 1.
         line: usize,
         /// The mistake.
         what: String,
     },
-    /// The number of values is not the one in the header.
+    /// The number of values differs from that in the header.
     #[error("the file must have values for {rows} rows of {cols} cells, got {found}")]
     Values {
-        /// Rows in the header.
+        /// Number of rows in the header.
         rows: u64,
-        /// Columns in the header.
+        /// Number of columns in the header.
         cols: u64,
-        /// Values in the file.
+        /// Number of values in the file.
         found: u64,
     },
     /// There are too many classes.
@@ -56,7 +56,7 @@ pub enum RasterFileError {
     /// The JSON has another structure.
     #[error("not the JSON of a landscape, of a world with a raster, or of a list of rows: {0}")]
     Json(serde_json::Error),
-    /// The JSON holds neither cells nor a raster.
+    /// The JSON contains neither cells nor a raster.
     #[error("the JSON holds neither `cells` nor a `raster`")]
     NoCells,
     /// The image cannot be read.
@@ -70,18 +70,18 @@ const ENDINGS: &str = ".asc, .json, .map or .png";
 #[cfg(not(feature = "picture"))]
 const ENDINGS: &str = ".asc, .json or .map";
 
-/// A raster that was read, with the values of its classes in the file.
+/// A raster that was read from a file, with the values of its classes in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportedRaster {
     /// The raster.
     pub raster: ClassRaster,
-    /// The file's values, for class `k + 1` at `k`, where they cannot be class numbers themselves:
-    /// where one of them is not from 1 to 65535. Classes are then numbered in the order of values.
+    /// The file's values, with that of class `k + 1` at index `k`, if they cannot be class numbers themselves
+    /// because one of them is not from 1 to 65535. Classes are then numbered in the order of the values.
     pub labels: Option<Vec<i64>>,
 }
 
 impl ImportedRaster {
-    /// A raster of the file's values; `None` is no data.
+    /// Creates a raster from the file's values; `None` is no data.
     pub(super) fn new(
         rows: u64,
         cols: u64,
@@ -123,7 +123,7 @@ pub(super) fn check_size(rows: u64, cols: u64) -> Result<(), RasterFileError> {
     }
 }
 
-/// Any JSON with a raster: a landscape's blueprint, a line of `envgen sample`, a world.
+/// Any JSON that contains a raster: a landscape's blueprint, a line of `envgen sample`, or a world.
 #[derive(Deserialize)]
 struct Document {
     cells: Option<Vec<Vec<Option<i64>>>>,
@@ -132,11 +132,11 @@ struct Document {
     blueprint: Option<Box<Document>>,
 }
 
-/// Reads the raster of a landscape's JSON, of a line of `envgen sample`, of a world, or a plain
-/// list of rows. 0 and null are no data; a cell has a side of 1 m where none is given.
+/// Reads the raster of a landscape's JSON, of a line of `envgen sample`, of a world, or of a plain list of rows. 0
+/// and null are no data. A cell has a side of 1 m unless another one is given.
 ///
 /// # Errors
-/// When there is no raster, or its rows differ in length.
+/// When there is no raster, or when its rows have different lengths.
 pub fn read_raster_json(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError> {
     let text = file::read_text(input)?;
     let mut document = if text.trim_start().starts_with('[') {

@@ -1,5 +1,4 @@
-//! Maps of ROS's `map_server` and Nav2 as worlds; for the format see
-//! [`export::ros_map`](crate::export::ros_map).
+//! Maps of ROS's `map_server` and Nav2 as worlds; [`export::ros_map`](crate::export::ros_map) describes the format.
 
 mod yaml;
 
@@ -23,10 +22,10 @@ use crate::provenance::IMPORT;
 use crate::provenance::Provenance;
 use crate::world::{MAX_COORDINATE, Obstacle, ObstacleKind, Wall, WallKind, World};
 
-/// The greatest grey that is a probability in a raw map, in percent.
+/// The greatest grey of a raw map that is a probability, in percent.
 const MAX_PERCENT: f64 = 100.0;
 
-/// Why a map could not be read.
+/// The reasons why a map could not be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RosMapError {
@@ -39,10 +38,10 @@ pub enum RosMapError {
     /// A value of the description is not allowed.
     #[error(transparent)]
     Value(#[from] SpecError),
-    /// The image's file cannot be read.
+    /// The image file cannot be read.
     #[error("`image` is {path}, which cannot be read: {error}")]
     Missing {
-        /// The path of the file.
+        /// The path of the image file.
         path: PathBuf,
         /// The cause.
         error: FileError,
@@ -50,30 +49,30 @@ pub enum RosMapError {
     /// The image is invalid.
     #[error("`image` is {path}: {error}")]
     Image {
-        /// The path of the file.
+        /// The path of the image file.
         path: PathBuf,
         /// The cause.
         error: ImageError,
     },
 }
 
-/// How greys become occupancy. With p the probability of occupancy, 1 for black and 0 for white,
-/// or reversed where the map says `negate`:
+/// The conversion of greys into occupancy. Here p is the probability of occupancy, 1 for black and 0 for white, or
+/// the reverse if the map has `negate` set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RosMode {
-    /// Occupied where p is above the upper threshold, free where it is below the lower one,
-    /// unknown between. Transparency counts as a fourth colour, as in ROS.
+    /// A cell is occupied if p is above the upper threshold, free if it is below the lower threshold, and unknown
+    /// between. Transparency counts as a fourth colour, as in ROS.
     #[default]
     Trinary,
-    /// The same, but pixels that are not opaque are unknown. (Between the thresholds ROS computes a
-    /// probability from 0 to 99 %; a wall of a world is solid or absent.)
+    /// The same as `Trinary`, but pixels that are not opaque are unknown. (Between the thresholds, ROS computes a
+    /// probability from 0 to 99 %; a wall of a world is either solid or absent.)
     Scale,
-    /// The grey itself, from 0 to 100, is p in percent; greys above are unknown. It is not negated.
+    /// The grey itself, from 0 to 100, is p in percent, and is not negated. Greater greys are unknown.
     Raw,
 }
 
-/// A map's description: the YAML file.
+/// The description of a map, from its YAML file.
 ///
 /// ```
 /// use envgen::export::ros_map::RosCell;
@@ -92,25 +91,25 @@ pub enum RosMode {
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct RosDescription {
-    /// The image's file; a relative name starts at the description's folder.
+    /// The image file. A relative name starts at the folder of the description.
     pub image: String,
     /// Side of a cell in metres.
     pub resolution: f64,
-    /// Lower left corner of the map in metres, and the direction of its rows in radians.
+    /// Lower left corner of the map in metres, and direction of its rows in radians.
     pub origin: [f64; 3],
     /// Whether white is occupied and black is free.
     #[serde(deserialize_with = "flag")]
     pub negate: bool,
-    /// Probability above which a cell is occupied.
+    /// Probability of occupancy above which a cell is occupied.
     pub occupied_thresh: f64,
-    /// Probability below which a cell is free.
+    /// Probability of occupancy below which a cell is free.
     pub free_thresh: f64,
-    /// How greys become occupancy.
+    /// The conversion of greys into occupancy.
     #[serde(default)]
     pub mode: RosMode,
 }
 
-/// ROS writes 0 and 1, and reads `true` and `false` too.
+/// Reads a flag, which is 0 or 1 in files of ROS; `true` and `false` are read, too.
 fn flag<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<bool, D::Error> {
     #[derive(Deserialize)]
     #[serde(untagged)]
@@ -129,7 +128,7 @@ fn flag<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<bool, D::Er
 }
 
 impl RosDescription {
-    /// Path of the image, for a description at `yaml`: it names the image relative to its own folder.
+    /// Returns the path of the image for a description at the path `yaml`, relative to whose folder the image is named.
     pub fn image_path(&self, yaml: &Path) -> PathBuf {
         yaml.parent().unwrap_or(Path::new("")).join(&self.image)
     }
@@ -137,7 +136,7 @@ impl RosDescription {
     /// Reads a description and checks it. Unknown fields are ignored.
     ///
     /// # Errors
-    /// When the text is not YAML, a field is missing, or a value is not allowed.
+    /// When the text is not YAML, when a field is missing, or when a value is not allowed.
     pub fn from_yaml(text: &str) -> Result<Self, RosMapError> {
         let description: RosDescription = serde_saphyr::from_str(text)
             .map_err(|error| RosMapError::Yaml(yaml::reason(&error, text)))?;
@@ -173,10 +172,10 @@ impl RosDescription {
         Ok(())
     }
 
-    /// Makes a map from the bytes of the image, a PGM or a PNG.
+    /// Makes a map from the bytes of its image, a PGM or a PNG.
     ///
     /// # Errors
-    /// When the image is invalid or has too many pixels.
+    /// When the image is invalid, or when it has too many pixels.
     pub fn map(&self, image: &[u8]) -> Result<RosMap, ImageError> {
         let image = read_image(image)?;
         let rows = image.shades.chunks_exact(image.cols).rev();
@@ -213,30 +212,29 @@ impl RosDescription {
     }
 }
 
-/// How unknown cells become parts of a world.
+/// What unknown cells become in a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UnknownCells {
-    /// Obstacles: no free path through them is known. So a map is closed where its walls have holes.
+    /// Obstacles, because no free path through them is known. A map is thereby closed where its walls have holes.
     #[default]
     Solid,
     /// Free ground.
     Free,
 }
 
-/// A rectangle of cells: columns and rows, each from the first to the one after the last, counted
-/// from the map's lower left corner.
+/// A rectangle of cells: columns and rows, each from the first to the one after the last, counted from the map's
+/// lower left corner.
 type Cells = ([i64; 2], [i64; 2]);
 
 impl RosMap {
-    /// The map as a world. Occupied cells become walls, whose outlines are exactly the cells': runs
-    /// of cells in a row, joined where rows are alike, each a box. Unknown cells become obstacles
-    /// of the kind [`ObstacleKind::Other`] in the same form, or free ground. The ground beyond the map is
-    /// unknown too: where its border is open, obstacles one cell wide close it, within the world's
+    /// Returns the map as a world. Occupied cells become walls, whose outlines are exactly those of the cells: each
+    /// wall is a box of a run of cells in a row, or of equal runs in consecutive rows. Unknown cells become
+    /// obstacles of the kind [`ObstacleKind::Other`] in the same form, or free ground. The ground beyond the map is
+    /// unknown, too: where the border of the map is open, obstacles one cell wide close it, within the world's
     /// bounds.
     ///
-    /// The world's start is the point of greatest clearance in the largest free region, heading along the
-    /// map's rows; it has no start where no cell is free. Another start can be set in
-    /// [`World::start`].
+    /// The world's start is the point of greatest clearance in the largest free region, heading along the map's
+    /// rows. There is no start if no cell is free. Another start can be set in [`World::start`].
     pub fn to_world(&self, unknown: UnknownCells) -> World {
         let is_solid = |cell: &RosCell| match cell {
             RosCell::Occupied => true,
@@ -271,7 +269,7 @@ impl RosMap {
         world
     }
 
-    /// The boxes of cells around the map that close its border where it is open.
+    /// Returns the boxes of cells around the map that close its border where it is open.
     fn border(&self, solid: &[bool]) -> Vec<Cells> {
         let (cols, rows) = (self.cols, self.rows());
         let mut boxes = Vec::new();
@@ -319,8 +317,8 @@ impl RosMap {
         }
     }
 
-    /// Rectangles of cells of a kind, without overlap. Runs of a row that lie over a run of the same
-    /// columns are merged with it.
+    /// Returns rectangles of cells of a state, without overlap. A run of a row that lies over a run of the same
+    /// columns is merged with it.
     fn boxes(&self, wanted: RosCell) -> Vec<Cells> {
         let mut done = Vec::new();
         // Runs that end at the row below: their columns, and the row that they begin at.
@@ -353,7 +351,7 @@ impl RosMap {
     }
 }
 
-/// The image that the description of a map names; `None` where that is no description.
+/// Returns the image that the description of a map names; `None` if the file is not a description.
 pub(super) fn image_of(path: &Path) -> Option<PathBuf> {
     let is_yaml = |ending: &std::ffi::OsStr| {
         ending.eq_ignore_ascii_case("yaml") || ending.eq_ignore_ascii_case("yml")
@@ -369,10 +367,10 @@ pub(super) fn image_of(path: &Path) -> Option<PathBuf> {
     Some(RosDescription::from_yaml(&text).ok()?.image_path(path))
 }
 
-/// Reads the YAML of a map, and the image that it names; `path` is the path of the YAML file.
+/// Reads the YAML of a map, and the image that it names. `path` is the path of the YAML file.
 ///
 /// # Errors
-/// When the YAML or the image cannot be read, or holds no map.
+/// When the YAML or the image cannot be read, or when they do not contain a map.
 pub fn read_ros_map(input: &mut dyn Read, path: &Path) -> Result<RosMap, RosMapError> {
     let description = RosDescription::from_yaml(&file::read_text(input)?)?;
     let path = description.image_path(path);

@@ -1,4 +1,4 @@
-//! Starts for worlds from files that have none.
+//! Start poses for worlds from files that have none.
 
 use crate::flood::flood;
 use crate::geometry::{Pose, Rect};
@@ -6,14 +6,14 @@ use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::placement::max_clearance_point;
 use crate::world::World;
 
-/// Side of a cell of the grid on which a start is looked for, in metres, in a world that is not large.
+/// Side in metres of a cell of the grid on which a start is searched, unless the world is large.
 const CELL: f64 = 0.05;
 
-/// The most cells of that grid, about.
+/// Approximate greatest number of cells of that grid.
 const MOST_CELLS: f64 = 2.5e5;
 
-/// The place of most clearance in the largest free region, of those that walls keep from the world's bounds
-/// where it must be `enclosed`; `None` where nothing is free.
+/// Returns the place of greatest clearance in the largest free region; `None` if nothing is free. If it must be
+/// `enclosed`, only regions count that walls separate from the world's bounds.
 pub(super) fn start_of_most_clearance(world: &World, enclosed: bool) -> Option<Pose> {
     let size = world.bounds.size();
     // Along the longer side too there are not more cells than that.

@@ -1,4 +1,4 @@
-//! The cylinders of a Gazebo world.
+//! Reading the cylinders of a Gazebo world.
 
 use glam::DVec2;
 use quick_xml::Reader;
@@ -10,46 +10,45 @@ use crate::world::MAX_COORDINATE;
 
 const FORMAT: &str = "a Gazebo world of cylinders";
 
-/// The most cylinders that are read.
+/// The greatest number of cylinders that are read.
 const MAX_CYLINDERS: usize = 1 << 18;
 
 /// The deepest nesting of elements that is read.
 const MAX_DEPTH: usize = 32;
 
-/// Where the geometry of a model's collision is.
+/// The path of elements to the geometry of a model's collision.
 const GEOMETRY: [&str; 6] = ["sdf", "world", "model", "link", "collision", "geometry"];
 
 /// A cylinder of a Gazebo world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
-    /// Middle in metres.
+    /// Centre of the cylinder in metres.
     pub center: DVec2,
-    /// Radius in metres.
+    /// Radius of the cylinder in metres.
     pub radius: f64,
 }
 
-/// What is known of a model inside its element.
+/// What was read of a model so far.
 #[derive(Default)]
 struct Model {
     pose: String,
     /// Poses of the last link and of the last collision in it.
     link: [String; 2],
-    /// Those of the link and the collision with the geometry.
+    /// Poses of the link and the collision that contain the geometry.
     around: [String; 2],
     radius: String,
-    /// The geometry of its collision.
+    /// The geometry of the model's collision.
     geometry: Option<String>,
-    /// Whether it is in this link, and in this collision.
+    /// Whether the geometry is in this link, and in this collision.
     is_in_link: bool,
     is_in_collision: bool,
 }
 
-/// The cylinders of the models of a world in a file. Models that are planes, and what else a world holds, are
-/// left out.
+/// Reads the cylinders of the models of a Gazebo world. Models that are planes, and everything else in the world,
+/// are left out.
 ///
 /// # Errors
-/// When the text is not the XML of a world, or a model stops a robot and is not one upright
-/// cylinder.
+/// When the text is not the XML of a world, or when a model stops a robot and is not a single upright cylinder.
 pub fn read_cylinders(text: &str) -> Result<Vec<Cylinder>, PlanError> {
     let mut reader = Reader::from_str(text);
     let mut path: Vec<String> = Vec::new();

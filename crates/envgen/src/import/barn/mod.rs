@@ -1,11 +1,11 @@
 //! The worlds of the BARN data set: D. Perille, A. Truong, X. Xiao and P. Stone, Benchmarking Metric Ground
 //! Navigation, SSRR 2020, arXiv:2008.13315.
 //!
-//! A world `N` of the data set is a Gazebo world (`world_N.world`), a grid of filled cells (`grid_N.npy`), a
-//! path through it (`path_N.npy`, rows and columns) and a map for ROS (`yaml_N.yaml` with `map_pgm_N.pgm`, which
-//! [`ros_map`](super::ros_map) reads). All become worlds in the frame of the Gazebo world: a cell is 0.15 m wide,
-//! rows run along x and end at 0, columns run along y and begin 34 cells from the axis, after the walls
-//! around the robot's first position. The maps for ROS have a row of cells less there.
+//! A world `N` of the data set consists of a Gazebo world (`world_N.world`), a grid of filled cells (`grid_N.npy`),
+//! a path through it (`path_N.npy`, rows and columns) and a map for ROS (`yaml_N.yaml` with `map_pgm_N.pgm`, which
+//! [`ros_map`](super::ros_map) reads). All are read into the frame of the Gazebo world: a cell is 0.15 m wide; rows
+//! run along x and end at 0; columns run along y and begin 34 cells from the axis, after the walls around the
+//! robot's first position. The maps for ROS have one row of cells fewer there.
 
 mod gazebo;
 mod npy;
@@ -28,25 +28,25 @@ use crate::provenance::IMPORT;
 use crate::provenance::Provenance;
 use crate::world::{ClassRaster, Obstacle, ObstacleKind, World};
 
-/// Side of a cell in metres, the diameter of a cylinder.
+/// Side of a cell in metres, which equals the diameter of a cylinder.
 pub const CELL: f64 = 0.15;
 
-/// Cells between the x axis of a Gazebo world and the first column of its grid.
+/// Number of cells between the x axis of a Gazebo world and the first column of its grid.
 pub const FIRST_COLUMN: usize = 34;
 
-/// Cells on each side of the robot's own that must be free.
+/// Number of cells that must be free on each side of the robot's own cell.
 pub const ROBOT_CELLS: usize = 2;
 
-/// Where robots start and where they go in the Gazebo worlds of the BARN challenge, in metres.
+/// Start and goal of robots in the Gazebo worlds of the BARN challenge, in metres.
 const CHALLENGE: [DVec2; 2] = [DVec2::new(-2.25, 3.0), DVec2::new(-2.25, 13.0)];
 
-/// Robots drive along the columns.
+/// Heading of robots in radians: they drive along the columns.
 const HEADING: f64 = std::f64::consts::FRAC_PI_2;
 
-/// Cylinders may be this far from the middle of their cell, in metres: files have six decimals.
+/// The greatest distance of a cylinder from the centre of its cell, in metres. Files have six decimals.
 const NEAR_MIDDLE: f64 = 1e-3;
 
-/// The grid of a world: which cells are filled. Cells are listed row by row.
+/// The grid of a world: for each cell, row by row, whether it is filled.
 ///
 /// ```
 /// use envgen::difficulty::BarnMode;
@@ -67,10 +67,10 @@ pub struct BarnGrid {
 }
 
 impl BarnGrid {
-    /// A grid of `cols` columns.
+    /// Creates a grid of `cols` columns.
     ///
     /// # Errors
-    /// When the cells are not one or more whole rows.
+    /// When the cells do not fill one or more whole rows.
     pub fn new(cols: usize, filled: Vec<bool>) -> Result<Self, PlanError> {
         if filled.is_empty() || cols == 0 || !filled.len().is_multiple_of(cols) {
             let allowed = format!("whole rows of {cols}");
@@ -82,7 +82,7 @@ impl BarnGrid {
     /// Reads a file `grid_N.npy`.
     ///
     /// # Errors
-    /// When it is not the array of a grid, or a cell is neither 0 nor 1.
+    /// When it is not the array of a grid, or when a cell is neither 0 nor 1.
     pub fn read(input: &mut dyn Read) -> Result<Self, PlanError> {
         let array = npy::read(&read_bytes(input)?)?;
         if let Some(wrong) = array.values.iter().position(|value| !(0..=1).contains(value)) {
@@ -92,8 +92,8 @@ impl BarnGrid {
         BarnGrid::new(array.cols, array.values.iter().map(|&value| value == 1).collect())
     }
 
-    /// The grid of a Gazebo world. Its files leave out the cylinders that others surround; what they enclose is
-    /// filled here.
+    /// Creates the grid of a Gazebo world. The files of Gazebo worlds leave out cylinders that are surrounded by
+    /// others; the enclosed cells are filled here.
     ///
     /// ```no_run
     /// use envgen::import::barn::{BarnGrid, read_cylinders};
@@ -104,8 +104,8 @@ impl BarnGrid {
     /// ```
     ///
     /// # Errors
-    /// When a cylinder is not in a cell of the data set, or there are none beside the walls around the robot's
-    /// first position.
+    /// When a cylinder does not lie in a cell of the data set, or when there are no cylinders besides the walls
+    /// around the robot's first position.
     pub fn of_cylinders(cylinders: &[Cylinder]) -> Result<Self, PlanError> {
         const MOST: f64 = 1024.0;
         let low = cylinders.iter().map(|cylinder| cylinder.center.x).fold(0.0, f64::min);
@@ -141,27 +141,27 @@ impl BarnGrid {
         BarnGrid::new(cols, filled)
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn rows(&self) -> usize {
         self.filled.len() / self.cols
     }
 
-    /// Number of columns.
+    /// Returns the number of columns.
     pub fn cols(&self) -> usize {
         self.cols
     }
 
-    /// Whether each cell is filled.
+    /// Returns for each cell whether it is filled.
     pub fn filled(&self) -> &[bool] {
         &self.filled
     }
 
-    /// Whether each cell is one that the robot's middle cannot be in.
+    /// Returns for each cell whether the robot's centre cannot be in it.
     pub fn c_space(&self) -> Vec<bool> {
         c_space(self.cols, &self.filled, ROBOT_CELLS)
     }
 
-    /// BARN's metrics of a path, a list of rows and columns.
+    /// Computes BARN's metrics of a path, which is a list of rows and columns.
     ///
     /// # Errors
     /// When the path is empty or leaves the grid.
@@ -180,12 +180,12 @@ impl BarnGrid {
         Ok(row * self.cols + col)
     }
 
-    /// The world of the grid: its filled cells as obstacles, start and goal at the ends of the path. Without a
-    /// path they are those nearest to the middle of the sides, of the largest regions there that the robot can
-    /// be in.
+    /// Returns the world of the grid, with its filled cells as obstacles, and start and goal at the ends of the
+    /// path. Without a path, start and goal are the cells nearest to the middle of the sides, in the largest
+    /// regions at these sides in which the robot can be.
     ///
     /// # Errors
-    /// When the path leaves the grid or one of its ends is filled.
+    /// When the path leaves the grid, or when one of its ends is filled.
     pub fn to_world(&self, path: &[[u32; 2]]) -> Result<World, PlanError> {
         // The raster has its rows along x.
         let (rows, cols) = (self.rows(), self.cols);
@@ -221,7 +221,7 @@ impl BarnGrid {
     }
 }
 
-/// Fills the cells that are not connected by sides to the first or last column.
+/// Fills the cells that are not connected by their sides to the first or last column.
 fn fill_enclosed(cols: usize, filled: &mut [bool]) {
     let mut open: Vec<bool> = filled.iter().map(|filled| !filled).collect();
     for row in 0..open.len() / cols {
@@ -234,7 +234,7 @@ fn fill_enclosed(cols: usize, filled: &mut [bool]) {
     }
 }
 
-/// Reads a file `path_N.npy`: rows and columns, from start to goal.
+/// Reads a file `path_N.npy`, which contains rows and columns, from start to goal.
 ///
 /// # Errors
 /// When it is not the array of a path.
@@ -253,7 +253,7 @@ pub fn read_path(input: &mut dyn Read) -> Result<Vec<[u32; 2]>, PlanError> {
     array.values.chunks_exact(2).map(cell).collect()
 }
 
-/// The path of a grid in a file beside it; none where there is no such file.
+/// Reads the path of a grid from a file beside it; an empty path if that file does not exist.
 fn path_beside(grid: &Path) -> Result<Vec<[u32; 2]>, PlanError> {
     let stem = grid.file_stem().unwrap_or_default().to_string_lossy();
     let Some(number) = stem.strip_prefix("grid_") else { return Ok(Vec::new()) };
@@ -273,14 +273,14 @@ fn path_beside(grid: &Path) -> Result<Vec<[u32; 2]>, PlanError> {
     Ok(Vec::new())
 }
 
-/// Reads the world of a grid, `grid_N.npy`; its path is `path_N.npy` in the same folder, or in the folder
+/// Reads the world of a grid, `grid_N.npy`. Its path is `path_N.npy` in the same folder, or in a folder
 /// `path_files` in it or beside it.
 pub(super) fn read_grid_world(input: &mut dyn Read, path: &Path) -> Result<World, PlanError> {
     BarnGrid::read(input)?.to_world(&path_beside(path)?)
 }
 
-/// Reads a Gazebo world: its cylinders as obstacles, with start and goal of the BARN challenge where these are
-/// free.
+/// Reads a Gazebo world, with its cylinders as obstacles, and with start and goal of the BARN challenge if these
+/// are free.
 pub(super) fn read_gazebo_world(input: &mut dyn Read) -> Result<World, PlanError> {
     let cylinders = read_cylinders(&read_text(input)?)?;
     let source = serde_json::json!({ "format": "barn_world", "cylinders": cylinders.len() });

@@ -1,13 +1,13 @@
 //! Two-dimensional arrays of whole numbers in NumPy files.
 //!
-//! The header is a Python literal. Of those, only what NumPy writes is read: a parser of any literal can be
-//! made to use up the stack.
+//! The header is a Python literal. Only literals as NumPy writes them are read, because a parser of any literal can
+//! be made to exhaust the stack.
 
 use super::PlanError;
 
 const FORMAT: &str = "a NumPy file of a two-dimensional array";
 
-/// The most elements that are read.
+/// The greatest number of elements that are read.
 const MAX_ELEMENTS: u64 = 1 << 20;
 
 /// An array, row by row.
@@ -64,7 +64,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Array, PlanError> {
     Ok(Array { cols, values })
 }
 
-/// The two sides of a shape such as `(30, 30)`.
+/// Reads the two sides of a shape such as `(30, 30)`.
 fn sides(shape: &str) -> Option<(usize, usize)> {
     let inner = shape.strip_prefix('(')?.split(')').next()?;
     let mut sides = inner.split(',').map(|side| side.trim().parse::<u64>().ok());
@@ -73,7 +73,7 @@ fn sides(shape: &str) -> Option<(usize, usize)> {
     (fits && sides.next().is_none()).then_some((rows as usize, cols as usize))
 }
 
-/// How an element is stored.
+/// The storage format of an element.
 struct Element {
     kind: u8,
     size: usize,

@@ -2,10 +2,10 @@
 
 use serde_saphyr::{Error, MessageFormatter, UserMessageFormatter};
 
-/// The longest line that an error quotes, in letters.
+/// The greatest length of a line that an error quotes, in letters.
 const MAX_LINE: usize = 60;
 
-/// What is wrong in a text, and where.
+/// Describes the mistake in a text, and its position.
 pub(super) fn reason(error: &Error, yaml: &str) -> String {
     let error = original(error);
     let text = match error {
@@ -43,7 +43,7 @@ pub(super) fn reason(error: &Error, yaml: &str) -> String {
     }
 }
 
-/// The error behind quotations of the text and references to other positions.
+/// Returns the original error, without quotations of the text and references to other positions.
 fn original(mut error: &Error) -> &Error {
     while let Error::WithSnippet { error: inner, .. } | Error::AliasError { error: inner, .. } =
         error
