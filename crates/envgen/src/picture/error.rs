@@ -1,4 +1,4 @@
-//! Why a world cannot be drawn.
+//! Errors of drawing worlds.
 
 use std::io;
 
@@ -8,10 +8,10 @@ use crate::error::SpecError;
 use crate::geometry::Rect;
 use crate::world::Violation;
 
-/// The most pixels that a PNG may have: 64 Mi, for which drawing takes some 256 MiB.
+/// The greatest number of pixels of a PNG: 64 Mi, for which drawing takes about 256 MiB.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
-/// Why a world could not be drawn.
+/// The reasons why a world could not be drawn.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PictureError {
@@ -24,7 +24,7 @@ pub enum PictureError {
     /// An option is out of its limits.
     #[error("the picture's {option} must be from {min} to {max}, got {value}")]
     Option {
-        /// Which option.
+        /// The name of the option.
         option: &'static str,
         /// The requested value.
         value: f64,
@@ -42,9 +42,9 @@ pub enum PictureError {
     /// The PNG would be too large.
     #[error("a PNG must have at most {MAX_PIXELS} pixels, got {width} x {height}")]
     TooLarge {
-        /// Its width.
+        /// The width of the PNG.
         width: u64,
-        /// Its height.
+        /// The height of the PNG.
         height: u64,
     },
     /// The picture could not be rendered.

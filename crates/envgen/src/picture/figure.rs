@@ -1,4 +1,4 @@
-//! Maps of coloured cells with a title, legend and notes.
+//! Figures: maps of coloured cells with a title, a legend and notes.
 
 use std::io::Write;
 
@@ -22,10 +22,10 @@ const MARGIN: f64 = 16.0;
 const NOTE_SIZE: f64 = 12.0;
 const NOTE_ROW: f64 = 17.0;
 
-/// The longer side of the map in px. A PNG has at least one pixel per cell in any case.
+/// The least and the greatest length of the map's longer side in px. A PNG has at least one pixel per cell in any case.
 const SIDES: [f64; 2] = [480.0, 1000.0];
 
-/// A map of coloured cells, such as a robot's map, with scale, legend and notes.
+/// A map of coloured cells, such as a robot's map, with a scale bar, a legend and notes.
 ///
 /// ```
 /// use envgen::palette::map;
@@ -46,27 +46,26 @@ const SIDES: [f64; 2] = [480.0, 1000.0];
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Title above the map; empty for none.
+    /// The title above the map; empty for no title.
     pub title: String,
     /// Side of a cell in metres.
     pub cell: f64,
-    /// Cells in a row.
+    /// Number of cells in a row.
     pub width: u32,
     /// The index of each cell's colour, row by row from the top.
     pub cells: Vec<u8>,
-    /// Colours and their meaning. The legend shows those that occur and
-    /// have a name.
+    /// The colours and their meanings. The legend shows those that occur and have a name.
     pub colors: Vec<(Srgb, String)>,
     /// Lines below the legend.
     pub notes: Vec<String>,
 }
 
 impl Figure {
-    /// The figure as SVG.
+    /// Returns the figure as SVG.
     ///
     /// # Errors
-    /// When there are no cells, when they do not fill whole rows, when their side is not a positive number,
-    /// when a colour is missing, or when the map has more than [`MAX_PIXELS`] cells.
+    /// When there are no cells, when they do not fill whole rows, when their side is not a positive number, when a
+    /// colour is missing, or when the map has more than [`MAX_PIXELS`] cells.
     pub fn svg(&self) -> Result<String, PictureError> {
         let (width, height) = (u64::from(self.width), self.height()?);
         if width * height > MAX_PIXELS {
@@ -135,7 +134,7 @@ impl Figure {
     /// Writes the figure as a PNG file, with at least one pixel per cell.
     ///
     /// # Errors
-    /// Those of [`Figure::svg`], and when writing fails.
+    /// The errors of [`Figure::svg`], and when writing fails.
     pub fn write_png(&self, out: &mut dyn Write) -> Result<(), PictureError> {
         let longest = u64::from(self.width).max(self.height()?) as f64;
         pixels::render(&self.svg()?, (longest / SIDES[1]).max(1.0))?.write(out)

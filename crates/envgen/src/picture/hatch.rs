@@ -10,15 +10,15 @@ use crate::geometry::{Shape, edges, unit_vector};
 /// Sine and cosine of 45 degrees.
 const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Up to the right.
+/// The direction up to the right.
 pub(super) const RISING: DVec2 = DVec2::new(HALF, -HALF);
-/// Down to the right.
+/// The direction down to the right.
 const FALLING: DVec2 = DVec2::new(HALF, HALF);
 
-/// Hatching stops at this many lines: pictures of very many overlapping areas stay small.
+/// Hatching stops at this number of lines, so that pictures of very many overlapping areas remain small.
 const MOST_LINES: usize = 100_000;
 
-/// The outline of any shape in px; discs have 24 corners.
+/// Returns the outline of any shape in px. Discs have 24 corners.
 pub(super) fn outline(shape: &Shape, view: &View) -> Vec<DVec2> {
     match shape {
         Shape::Disc { center, radius } => (0..24)
@@ -29,7 +29,7 @@ pub(super) fn outline(shape: &Shape, view: &View) -> Vec<DVec2> {
     }
 }
 
-/// The direction of treads: along the shorter sides of an outline.
+/// Returns the direction of the treads of stairs: along the shorter sides of an outline.
 fn across(outline: &[DVec2]) -> DVec2 {
     let sides = [(0, 1), (1, 2)].map(|(i, j)| match (outline.get(i), outline.get(j)) {
         (Some(&a), Some(&b)) => b - a,
@@ -73,8 +73,8 @@ impl Hatch {
         }
     }
 
-    /// Adds the lines of a direction (a unit vector) at multiples of `spacing` px from the
-    /// picture's corner, so that the lines of neighbours meet.
+    /// Adds the lines of a direction (a unit vector) at multiples of `spacing` px from the picture's corner, so
+    /// that the lines of neighbouring areas meet.
     pub(super) fn add(&mut self, outline: &[DVec2], direction: DVec2, spacing: f64) {
         let normal = direction.perp();
         let heights = outline.iter().map(|p| p.dot(normal));

@@ -1,4 +1,4 @@
-//! All parts of one style in one path, with very small ones as a shadow.
+//! All parts of one style in a single path, with very small parts as a shadow.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -12,8 +12,8 @@ use super::view::View;
 use crate::geometry::Shape;
 use crate::palette::Srgb;
 
-/// Up to this many parts are drawn as paths whatever their size; with more of them in a world, those
-/// smaller than a pixel are drawn as a shadow.
+/// Worlds with at most this many parts are drawn entirely as paths. In worlds with more, parts that are smaller
+/// than a pixel are drawn as a shadow.
 pub(super) const MANY_PARTS: usize = 30_000;
 
 /// Shapes of one style.
@@ -27,7 +27,7 @@ pub(super) struct Ink<'a> {
 }
 
 impl<'a> Ink<'a> {
-    /// An empty collection. With `many` parts in the world, coordinates are coarser and the smallest parts
+    /// Creates an empty collection. If the world has `many` parts, coordinates are coarser and the smallest parts
     /// become a shadow.
     pub(super) fn new(view: &'a View, many: bool) -> Self {
         let decimals = if many { 1 } else { 2 };
@@ -40,7 +40,7 @@ impl<'a> Ink<'a> {
         }
     }
 
-    /// An empty collection, for so many styles that each cannot have a shadow of its own.
+    /// Creates an empty collection without a shadow, for lists with so many styles that not each can have one.
     pub(super) fn without_shadow(view: &'a View, many: bool) -> Self {
         Ink { shadows: false, ..Ink::new(view, many) }
     }
@@ -60,7 +60,7 @@ impl<'a> Ink<'a> {
         }
     }
 
-    /// Adds a shape that is smaller than a pixel to the shadow.
+    /// Adds a shape to the shadow if it is smaller than a pixel; returns whether it is.
     fn shade(&mut self, shape: &Shape) -> bool {
         let around = self.view.px_rect(shape.bounds());
         if around.size().max_element() >= 1.0 {
@@ -76,7 +76,7 @@ impl<'a> Ink<'a> {
         true
     }
 
-    /// The group of all shapes.
+    /// Returns the group of all shapes.
     pub(super) fn into_group(self, id: &str, style: Style) -> Result<Group, PictureError> {
         let mut group = Group::new().set("id", id);
         if let Some(shadow) = self.shadow {
@@ -104,20 +104,20 @@ impl<'a> Ink<'a> {
     }
 }
 
-/// How much of each pixel of the plan is covered by parts smaller than it.
+/// The share of each pixel of the plan that is covered by parts smaller than the pixel.
 #[derive(Debug)]
 pub(super) struct Shadow {
     corner: DVec2,
     width: usize,
     height: usize,
-    /// In units of 1 / [`FULL`] of a pixel.
+    /// Coverage per pixel in units of 1 / [`FULL`] of a pixel.
     covered: Vec<u16>,
 }
 
 /// The value of a fully covered pixel.
 const FULL: f64 = 4096.0;
 
-/// Parts count as at least this many square pixels, so that they do not round to nothing.
+/// The least area of a part in square pixels, so that parts do not vanish by rounding.
 const LEAST_AREA: f64 = 0.02;
 
 impl Shadow {
@@ -148,8 +148,8 @@ impl Shadow {
         }
     }
 
-    /// The shadow as an image: darker where more is covered, and amplified where it would be too faint
-    /// to see.
+    /// Returns the shadow as an image. It is darker where more is covered, and amplified where it would be too
+    /// faint to be visible.
     pub(super) fn into_image(self, color: Srgb) -> Result<Image, PictureError> {
         let alphas: Vec<u8> = (0..=255).collect();
         let strength = 255.0 * (0.85 / self.upper_percentile()).max(1.0) / FULL;
@@ -166,7 +166,7 @@ impl Shadow {
         image.to_element(self.corner, size)
     }
 
-    /// The coverage that 95 of 100 shaded pixels do not exceed, as a share of a pixel.
+    /// Returns the coverage that 95 of 100 shaded pixels do not exceed, as a share of a pixel.
     fn upper_percentile(&self) -> f64 {
         let mut counts = vec![0_u64; FULL as usize + 1];
         for &covered in self.covered.iter().filter(|&&covered| covered > 0) {
@@ -188,14 +188,14 @@ pub(super) struct Indexed {
     pub(super) width: u32,
     pub(super) height: u32,
     pub(super) colors: Vec<Srgb>,
-    /// Opacities of the first colours; the others are opaque.
+    /// Opacities of the first colours. The others are opaque.
     pub(super) alphas: Vec<u8>,
-    /// Row by row from the top, one index each.
+    /// One index per pixel, row by row from the top.
     pub(super) pixels: Vec<u8>,
 }
 
 impl Indexed {
-    /// The image as an element whose pixels stay sharp, stretched to `size` px.
+    /// Returns the image as an element whose pixels remain sharp, stretched to `size` px.
     pub(super) fn to_element(&self, corner: DVec2, size: DVec2) -> Result<Image, PictureError> {
         let mut file = Vec::new();
         let mut encoder = png::Encoder::new(&mut file, self.width, self.height);
@@ -224,7 +224,7 @@ impl Indexed {
             .set("href", format!("data:image/png;base64,{}", STANDARD.encode(&file))))
     }
 
-    /// Rows of pixels with as many per byte as the depth allows, the first in the highest bits.
+    /// Packs rows of pixels with as many pixels per byte as the depth allows, the first one in the highest bits.
     fn packed(&self, depth: png::BitDepth) -> Vec<u8> {
         let bits = depth as usize;
         if bits == 8 {

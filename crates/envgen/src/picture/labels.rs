@@ -13,13 +13,13 @@ use crate::geometry::Rect;
 use crate::palette;
 use crate::world::{Room, World};
 
-/// The most names in a picture.
+/// The greatest number of names in a picture.
 const MOST_NAMES: usize = 5000;
 
-/// Longer names, in characters, are cut.
+/// Names with more characters than this are cut.
 const LONGEST_NAME: usize = 60;
 
-/// Names keep clear of at most this many obstacles.
+/// The greatest number of obstacles that names avoid.
 const MOST_OBSTACLES: usize = 500;
 
 /// Width of the stroke of the rim around a name in px.
@@ -28,13 +28,13 @@ const HALO: f64 = 2.2;
 /// The height of a line of a label, as a share of its font size.
 const LINE: f64 = 1.25;
 
-/// The most different rooms whose number the legend explains.
+/// The greatest number of different rooms for which the legend explains numbers.
 const MOST_NUMBERS: usize = 24;
 
-/// The greatest share of a room that its name may cover where a number can take its place.
+/// The greatest share of a room that its name may cover if a number can replace the name.
 const MOST_COVERED: f64 = 0.35;
 
-/// Lines and font sizes of a name, the better ones first: few lines unless they would be small. The
+/// Numbers of lines and font sizes of a name, the better ones first: few lines, unless they would be small. The
 /// first [`READABLE`] are easy to read.
 const SETTINGS: [(usize, f64); 16] = [
     (1, 12.0),
@@ -60,13 +60,13 @@ const READABLE: usize = 8;
 #[derive(Debug, Default)]
 pub(super) struct Names {
     pub(super) group: Option<Group>,
-    /// The names behind the numbers in small rooms, from 1 on.
+    /// The names that the numbers in small rooms represent, counted from 1.
     pub(super) numbers: Vec<String>,
 }
 
-/// Names in the middle of their rooms, where they fit, with the difficulty below; above or below
-/// the middle where that avoids another name or an obstacle; beside start and goal.
-/// With a legend, rooms too small for their names get numbers.
+/// Draws names in the middle of their rooms if they fit, with the difficulty below; above or below the middle if
+/// this avoids another name or an obstacle, and beside start and goal. With a legend, rooms that are too small for
+/// their names get numbers.
 pub(super) fn draw(world: &World, view: &View, legend: bool, typesetter: &Typesetter) -> Names {
     let mut numbers: Vec<String> = Vec::new();
     let [mut dark, mut light] = [PathData::new(2), PathData::new(2)];
@@ -135,12 +135,12 @@ pub(super) fn draw(world: &World, view: &View, legend: bool, typesetter: &Typese
     Names { group: Some(group), numbers }
 }
 
-/// All text of a room's label, in one line.
+/// Returns all text of a room's label, in one line.
 fn described(room: &Room) -> String {
     std::iter::once(shown_name(room)).chain(notes(room)).collect::<Vec<_>>().join(" ")
 }
 
-/// The name of a room, cut with an ellipsis where it is long.
+/// Returns the name of a room, cut with an ellipsis if it is too long.
 fn shown_name(room: &Room) -> String {
     let name = room.name.trim();
     match name.char_indices().nth(LONGEST_NAME) {
@@ -152,14 +152,14 @@ fn shown_name(room: &Room) -> String {
     }
 }
 
-/// The difficulty of a room, and which contents were removed.
+/// Returns the difficulty of a room, and which contents were removed.
 fn notes(room: &Room) -> impl Iterator<Item = String> {
     let contents = Some(room.contents).filter(|contents| !contents.is_as_designed());
     let contents = contents.map(|contents| contents.name().to_owned());
     room.difficulty.map(difficulty).into_iter().chain(contents)
 }
 
-/// The parts of a room beside a symbol that lies in it: below, above, left and right.
+/// Returns the parts of a room beside a symbol that lies in it: below, above, left and right.
 fn around_symbol(room: Rect, symbol: Rect) -> Vec<Rect> {
     if !room.overlaps(symbol) {
         return Vec::new();
@@ -177,18 +177,18 @@ fn around_symbol(room: Rect, symbol: Rect) -> Vec<Rect> {
 /// A room's label, and the space for it.
 struct Label {
     space: Rect,
-    /// With font sizes.
+    /// The lines of the label, with their font sizes.
     lines: Vec<(String, f64)>,
     size: DVec2,
-    /// Greater is better.
+    /// The rank of the label; greater is better.
     rank: usize,
     is_number: bool,
 }
 
 impl Label {
-    /// The room's name in as few lines and as large as fits, its difficulty, and which contents were
-    /// removed. Where that would be small or hide the room, its number; without a number, the name smaller
-    /// and then cut. `None` where nothing fits.
+    /// Creates a label with the room's name in as few lines and as large as fits, its difficulty, and which
+    /// contents were removed. If this would be small or cover too much of the room, the label is the room's number;
+    /// without a number, the name is made smaller and then cut. `None` if nothing fits.
     fn new(
         room: &Room,
         space: Rect,
@@ -236,7 +236,7 @@ impl Label {
         })
     }
 
-    /// A position clear of what is taken and, if possible, of obstacles.
+    /// Returns a position that does not overlap what is taken and, if possible, no obstacles.
     fn place(&self, taken: &[Rect], obstacles: &[Rect]) -> Option<Rect> {
         let aside = (0.5 * (self.space.size().y - self.size.y) - 7.0).max(0.0);
         let places = [0.0, 0.5, -0.5, 1.0, -1.0].map(|share| {
@@ -249,7 +249,7 @@ impl Label {
     }
 }
 
-/// A difficulty with one decimal, or two where it has two.
+/// Formats a difficulty with one decimal, or with two if it has two.
 fn difficulty(difficulty: f64) -> String {
     let text = format!("{difficulty:.2}");
     text.strip_suffix('0').map_or(text.clone(), str::to_owned)

@@ -1,4 +1,4 @@
-//! The row under the plan: scale bar and legend.
+//! The row below the plan, with scale bar and legend.
 
 use glam::DVec2;
 use svg::node::element::Group;
@@ -22,10 +22,10 @@ const GAP: f64 = 18.0;
 const SAMPLE: DVec2 = DVec2::new(16.0, 11.0);
 const BAR: f64 = 130.0;
 
-/// Thinner kerbs, in px, cannot be distinguished from the edge of the road.
+/// Kerbs that are thinner than this, in px, cannot be distinguished from the edge of the road.
 const LEAST_KERB: f64 = 0.4;
 
-/// Only this many classes are listed, by their number.
+/// The greatest number of classes that are listed, by their number.
 const MOST_CLASSES: usize = 12;
 
 /// One entry of the legend.
@@ -66,7 +66,7 @@ impl Entry {
     }
 }
 
-/// The entries of a world's legend; the last ones explain the numbers in rooms.
+/// Returns the entries of a world's legend. The last ones explain the numbers in rooms.
 pub(super) fn entries(
     world: &World,
     scenario: Option<&Scenario>,
@@ -137,19 +137,19 @@ pub(super) fn entries(
     entries
 }
 
-/// Whether a layer of walls is visible in a picture: kerbs vanish at the edge of a distant road.
+/// Whether a layer of walls is visible in a picture. Kerbs vanish at the edge of a distant road.
 fn is_seen(layer: &Layer<'_, Wall>, view: &View) -> bool {
     let kerb = |wall: &&Wall| wall.kind == WallKind::Kerb;
     layer.parts.iter().any(|wall| !kerb(wall) || thickness(&wall.shape) * view.scale >= LEAST_KERB)
 }
 
-/// About how thick a long shape is, in metres.
+/// Returns the approximate thickness of a long shape, in metres.
 fn thickness(shape: &Shape) -> f64 {
     let outline: f64 = edges(&shape.corners()).map(|(a, b)| a.distance(b)).sum();
     if outline > 0.0 { 2.0 * shape.area() / outline } else { 0.0 }
 }
 
-/// Scale bar and legend, row by row within `width` px or one per row, and their size.
+/// Draws scale bar and legend, row by row within `width` px or one entry per row, and returns their size.
 pub(super) fn draw(
     entries: Vec<Entry>,
     view: &View,

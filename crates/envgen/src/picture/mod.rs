@@ -1,9 +1,9 @@
-//! Pictures of a world: SVG, and PNG drawn from exactly that SVG, on the CPU.
+//! Pictures of a world: SVG, and PNG that is rendered from exactly that SVG, on the CPU.
 //!
-//! A picture is made from the [`World`] alone. It shows every kind of part in its own colour, start
-//! (a disc with an arrow along the heading) and goal (a flag), a scale bar, and a legend of the parts
-//! that occur. Labels are outlines of an embedded font, coordinates are rounded to a fraction of a pixel:
-//! the same world and options give the same SVG text, and the same pixels, everywhere.
+//! A picture is made from the [`World`] alone. It shows every kind of part in its own colour, the start (a disc
+//! with an arrow along the heading), the goal (a flag), a scale bar, and a legend of the parts that occur. Labels
+//! are outlines of an embedded font, and coordinates are rounded to a fraction of a pixel. The same world and
+//! options therefore give the same SVG text, and the same pixels, on every machine.
 //!
 //! ```
 //! use envgen::picture::{self, PictureOptions};
@@ -16,9 +16,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A world with very many parts still gives a small file quickly: all parts of a style are one path,
-//! and parts smaller than a pixel are drawn together as a shadow, an image of how much of each pixel
-//! they cover.
+//! Even a world with very many parts quickly gives a small file: all parts of a style are one path, and parts
+//! smaller than a pixel are drawn together as a shadow, which is an image of the share of each pixel that they
+//! cover.
 
 mod error;
 mod figure;
@@ -51,11 +51,10 @@ use std::io::Write;
 
 use crate::world::World;
 
-/// The picture of a world as SVG.
+/// Draws a world as SVG and returns the text.
 ///
 /// # Errors
-/// When the world breaks an invariant, an option is out of its limits, or the world has no finite
-/// scale.
+/// When the world breaks an invariant, when an option is out of its limits, or when the world has no finite scale.
 pub fn svg(world: &World, options: &PictureOptions) -> Result<String, PictureError> {
     let mut text = Vec::new();
     write_svg(world, options, &mut text)?;
@@ -63,10 +62,10 @@ pub fn svg(world: &World, options: &PictureOptions) -> Result<String, PictureErr
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
-/// Writes the picture of a world as SVG.
+/// Draws a world as SVG and writes the text.
 ///
 /// # Errors
-/// Those of [`svg()`], and when writing fails.
+/// The errors of [`svg()`], and when writing fails.
 pub fn write_svg(
     world: &World,
     options: &PictureOptions,
@@ -78,20 +77,20 @@ pub fn write_svg(
     Ok(writeln!(out)?)
 }
 
-/// The picture of a world as a PNG file: [`svg()`] rendered by `resvg`.
+/// Draws a world as PNG and returns the file: [`svg()`] rendered by `resvg`.
 ///
 /// # Errors
-/// Those of [`svg()`], and when there would be more than [`MAX_PIXELS`].
+/// The errors of [`svg()`], and when there would be more than [`MAX_PIXELS`].
 pub fn png(world: &World, options: &PictureOptions) -> Result<Vec<u8>, PictureError> {
     let mut file = Vec::new();
     write_png(world, options, &mut file)?;
     Ok(file)
 }
 
-/// Writes the picture of a world as a PNG file.
+/// Draws a world as PNG and writes the file.
 ///
 /// # Errors
-/// Those of [`png()`], and when writing fails.
+/// The errors of [`png()`], and when writing fails.
 pub fn write_png(
     world: &World,
     options: &PictureOptions,
@@ -100,10 +99,10 @@ pub fn write_png(
     pixels(world, options)?.write(out)
 }
 
-/// The pixels of the picture of a world, for windows and programs that show it.
+/// Draws a world and returns the pixels, for windows and programs that show them.
 ///
 /// # Errors
-/// Those of [`png()`].
+/// The errors of [`png()`].
 pub fn pixels(world: &World, options: &PictureOptions) -> Result<Pixels, PictureError> {
     pixels::render(&svg(world, options)?, options.pixel_ratio)
 }

@@ -1,4 +1,4 @@
-//! What moves in a world: doors with their swing, the routes of people, smoke.
+//! The moving elements of a world: doors with their swing, the routes of people, and smoke.
 
 use glam::DVec2;
 use svg::node::element::Group;
@@ -13,19 +13,19 @@ use crate::palette;
 use crate::scenario::{PERSON_RADIUS, Scenario, ScenarioState};
 use crate::world::World;
 
-/// Routes are those of the first so many seconds.
+/// The time in seconds for which routes are drawn, from the beginning.
 pub(super) const ROUTE_TIME: u32 = 60;
 
-/// Routes have this many points per second.
+/// Number of points of a route per second.
 const POINTS: u32 = 4;
 
-/// The swing of a leaf is drawn in this many pieces.
+/// Number of pieces in which the swing of a leaf is drawn.
 const SWING: u32 = 8;
 
-/// Extinction in 1/m of smoke that is drawn half transparent.
+/// The extinction coefficient, in 1/m, of smoke that is drawn half transparent.
 const HALF: f64 = 1.0;
 
-/// Everything that moves, from the lowest layer up.
+/// Draws everything that moves, from the lowest layer up.
 pub(super) fn draw(
     world: &World,
     scenario: &Scenario,
@@ -37,7 +37,7 @@ pub(super) fn draw(
     Ok(groups)
 }
 
-/// Areas that are the less transparent the denser the smoke is.
+/// Draws areas of smoke, which are less transparent the denser the smoke is.
 fn smoke(state: &ScenarioState, scenario: &Scenario, view: &View) -> Group {
     let mut group = Group::new().set("id", "smoke");
     for (i, source) in (0..).zip(&scenario.smoke) {
@@ -57,7 +57,7 @@ fn smoke(state: &ScenarioState, scenario: &Scenario, view: &View) -> Group {
     group
 }
 
-/// The leaves of closed doors, and the paths of their tips to where they are open.
+/// Draws the leaves of closed doors, and the paths of their tips to the open position.
 fn doors(state: &ScenarioState, view: &View) -> Group {
     let [mut leaves, mut swings] = [PathData::new(1), PathData::new(1)];
     for door in 0..state.doors().len() {
@@ -81,7 +81,7 @@ fn doors(state: &ScenarioState, view: &View) -> Group {
         .add(stroked(leaves, style::LEAF.fill, 2.4))
 }
 
-/// People where they are at first, and where they go from there.
+/// Draws people at their first positions, and their routes from there.
 fn people(state: &mut ScenarioState, view: &View) -> Result<Group, PictureError> {
     let radius = (PERSON_RADIUS * view.scale).max(2.5);
     let [mut routes, mut bodies, mut looks] =

@@ -1,39 +1,40 @@
-//! How a world is drawn.
+//! The options of pictures.
 
 use super::error::PictureError;
 use crate::scenario::Scenario;
 
-/// The narrowest and widest picture, in px.
+/// The least and the greatest width of a picture, in px.
 pub const WIDTHS: [u32; 2] = [100, 16_384];
 
-/// The lowest and highest plan, in px.
+/// The least and the greatest height of the plan, in px.
 pub const HEIGHTS: [u32; 2] = [50, 16_384];
 
-/// How a world is drawn.
+/// The options of a picture of a world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureOptions {
-    /// Greatest width of the picture in px, within [`WIDTHS`]. The picture is as large as it can
-    /// be; high worlds give narrower ones.
+    /// Greatest width of the picture in px, within [`WIDTHS`]. The picture is as large as the limits allow; high
+    /// worlds give narrower pictures.
     pub width: u32,
-    /// Greatest height of the world in the picture in px, within [`HEIGHTS`]; title, legend and
-    /// curvature profile are added to it.
+    /// Greatest height of the world in the picture in px, within [`HEIGHTS`]. Title, legend and curvature profile
+    /// are added to it.
     pub height: u32,
-    /// Pixels of a PNG per px of the picture, from 0.1 to 10; 2 for dense screens.
+    /// Pixels of a PNG per px of the picture, from 0.1 to 10; use 2 for dense screens.
     pub pixel_ratio: f64,
-    /// White space on the four sides of the picture in px, at most 200.
+    /// Blank margin on the four sides of the picture in px, at most 200.
     pub margin: u32,
-    /// Title above the world; `None` for kind, seed and the settings that differ from the defaults, an
-    /// empty text for no title.
+    /// Title above the world; `None` for kind, seed and the settings that differ from the defaults; an empty text
+    /// for no title.
     pub title: Option<String>,
     /// Whether a legend explains the colours.
     pub legend: bool,
     /// Whether the names of rooms are shown.
     pub names: bool,
-    /// Whether a grid of round metres lies under the world.
+    /// Whether a grid with a round number of metres is drawn below the world.
     pub grid: bool,
-    /// Whether the curvature of roads over their length is drawn under the world.
+    /// Whether the curvature of roads over their length is drawn below the world.
     pub curvature_profile: bool,
-    /// What moves in the world: doors with their swing, people with their routes of the first minute, smoke.
+    /// The moving elements of the world: doors with their swing, people with their routes of the first minute, and
+    /// smoke.
     pub scenario: Option<Scenario>,
 }
 

@@ -1,4 +1,4 @@
-//! The page around the world: frame, title, start and goal, scale bar, legend.
+//! The page around the world: frame, title, start and goal, scale bar and legend.
 
 use glam::DVec2;
 use svg::Document;
@@ -21,17 +21,17 @@ use crate::world::World;
 /// Space between the frame and the world's bounds in px.
 const BORDER: f64 = 14.0;
 
-/// The same where the symbol of start or goal would extend beyond the frame.
+/// The same if the symbol of the start or the goal would extend beyond the frame.
 const WIDE_BORDER: f64 = 30.0;
 pub(super) const TITLE_HEIGHT: f64 = 26.0;
 
-/// The narrowest and lowest plan in px.
+/// The least width and height of the plan in px.
 const LEAST_PLAN: DVec2 = DVec2::new(120.0, 40.0);
 
 /// The width of a legend at the side in px.
 const SIDE: f64 = 200.0;
 
-/// The whole picture.
+/// Draws the whole picture.
 pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Document, PictureError> {
     let typesetter = Typesetter::new();
     let heading = Heading::new(world, options);
@@ -121,10 +121,10 @@ pub(super) fn document(world: &World, options: &PictureOptions) -> Result<Docume
     Ok(furniture.into_iter().fold(document, Document::add))
 }
 
-/// Cells of rasters stay sharp: by this in browsers, by the images' own `optimizeSpeed` elsewhere.
+/// The style that keeps cells of rasters sharp in browsers; other programs use the images' own `optimizeSpeed`.
 const SHARP: &str = "@supports (image-rendering:pixelated){image{image-rendering:pixelated}}";
 
-/// An empty page of a size in px.
+/// Creates an empty page of a size in px.
 pub(super) fn page(size: DVec2, heading: &Heading) -> Document {
     Document::new()
         .set("width", size.x)

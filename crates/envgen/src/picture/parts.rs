@@ -1,4 +1,4 @@
-//! The parts of a world, from the lowest layer up.
+//! The parts of a world, drawn from the lowest layer up.
 
 use std::collections::BTreeMap;
 
@@ -16,10 +16,10 @@ use crate::geometry::Shape;
 use crate::palette::{self, Srgb};
 use crate::world::{Doorway, Obstacle, Room, Surface, Wall, World};
 
-/// With more styles than this in a list, none has a shadow.
+/// If a list has more styles than this, none of them has a shadow.
 const MOST_SHADOWS: usize = 40;
 
-/// Everything inside the plan's frame except names, start and goal.
+/// Draws everything inside the plan's frame except names, start and goal.
 pub(super) fn draw(
     world: &World,
     view: &View,
@@ -50,7 +50,7 @@ pub(super) fn draw(
     Ok(groups)
 }
 
-/// Dots with a round line cap, as trees are.
+/// Draws victims as dots with a round line cap, like trees.
 fn victims(world: &World, view: &View) -> Option<Group> {
     if world.victims.is_empty() {
         return None;
@@ -64,7 +64,7 @@ fn victims(world: &World, view: &View) -> Option<Group> {
     Some(group.add(edge).add(inside))
 }
 
-/// The side of the grid's cells in metres: at least 40 px.
+/// Returns the side of the grid's cells in metres, which is at least 40 px.
 pub(super) fn grid_step(view: &View) -> Option<f64> {
     round_number(100.0 / view.scale)
 }
@@ -98,7 +98,7 @@ pub(super) struct Layer<'a, T> {
     pub(super) parts: Vec<&'a T>,
 }
 
-/// The styles in a list of parts, in the order in which they are drawn.
+/// Returns the styles in a list of parts, in the order in which they are drawn.
 pub(super) fn layers<T>(parts: &[T], style: impl Fn(&T) -> (u32, Style)) -> Vec<Layer<'_, T>> {
     let mut layers = BTreeMap::new();
     for part in parts {
@@ -135,7 +135,7 @@ pub(super) fn doorway_layers(world: &World) -> Vec<Layer<'_, Doorway>> {
     )
 }
 
-/// Draws layers in groups named like `walls-end-cap`.
+/// Draws layers as groups with names such as `walls-end-cap`.
 fn draw_layers<T>(
     list: &str,
     layers: Vec<Layer<'_, T>>,
@@ -177,8 +177,8 @@ fn draw_layers<T>(
     Ok(groups)
 }
 
-/// Trees are dots with a round line cap: two for each, the edge and the crown. Radii are rounded to
-/// a tenth of a pixel, so that all trees of one size are one path.
+/// Draws each tree as two dots with a round line cap, the edge and the crown. Radii are rounded to a tenth of a
+/// pixel, so that all trees of the same size are one path.
 fn trees(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), PictureError> {
     let many = world.trees.len() > MANY_PARTS;
     let mut shadow = None;
@@ -246,7 +246,7 @@ fn rooms(world: &World, view: &View, groups: &mut Vec<Group>) -> Result<(), Pict
     Ok(())
 }
 
-/// Difficulties are distinguished to a tenth; rooms without light are darker.
+/// Returns the colour of a room. Difficulties are distinguished to a tenth; unlit rooms are darker.
 pub(super) fn room_color(room: &Room) -> Srgb {
     palette::room_floor(room.difficulty.map(|rated| (rated * 10.0).round() / 10.0), room.lit)
 }

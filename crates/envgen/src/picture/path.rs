@@ -1,17 +1,17 @@
-//! Path data: short, quantised, and the same text on every machine.
+//! Path data of SVG: short, quantised, and the same text on every machine.
 
 use std::fmt::Write;
 
 use glam::DVec2;
 
-/// Control points of a quarter circle of radius 1 lie this far from its ends.
+/// The distance of the control points of a quarter circle of radius 1 from its ends.
 const QUARTER: f64 = 0.552_284_749_830_793_4;
 
-/// Pixel coordinates are clamped here: far outside any picture, far inside `f32`.
+/// The greatest pixel coordinate, to which coordinates are clamped: far outside any picture, and well within `f32`.
 const FARTHEST: f64 = 1e6;
 
-/// The `d` of an SVG path. Coordinates are rounded to a fraction of a pixel and written relative
-/// to the one before, as differences of rounded numbers, so that errors do not add up.
+/// The `d` attribute of an SVG path. Coordinates are rounded to a fraction of a pixel and written relative to the
+/// previous one, as differences of rounded numbers, so that errors do not add up.
 #[derive(Clone, Debug)]
 pub(super) struct PathData {
     text: String,
@@ -24,7 +24,7 @@ pub(super) struct PathData {
 }
 
 impl PathData {
-    /// An empty path whose coordinates have this many decimals.
+    /// Creates an empty path whose coordinates have this many decimals.
     pub(super) fn new(decimals: u32) -> Self {
         PathData {
             text: String::new(),
@@ -56,7 +56,7 @@ impl PathData {
         (self.at, self.start) = (to, to);
     }
 
-    /// A line; nothing when it is shorter than the resolution of the coordinates.
+    /// Adds a line, unless it is shorter than the resolution of the coordinates.
     pub(super) fn line_to(&mut self, p: DVec2) {
         let to = self.quantised(p);
         match self.offset(to) {
@@ -88,7 +88,7 @@ impl PathData {
         self.at = self.start;
     }
 
-    /// A point: only a round line cap, when the path is stroked with one.
+    /// Adds a point, which is visible as a round line cap if the path is stroked with one.
     pub(super) fn dot(&mut self, p: DVec2) {
         self.move_to(p);
         self.numbers('h', &[0]);

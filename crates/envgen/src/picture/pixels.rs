@@ -1,4 +1,4 @@
-//! From the SVG to pixels.
+//! Rendering of SVG to pixels.
 
 use std::io::Write;
 
@@ -8,7 +8,7 @@ use resvg::usvg;
 use super::error::{MAX_PIXELS, PictureError};
 use crate::palette;
 
-/// A picture in memory: rows from the top, red, green and blue of each pixel.
+/// A picture in memory: red, green and blue of each pixel, with rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Pixels {
     /// Number of columns.

@@ -1,4 +1,4 @@
-//! The curvature of roads over their length, drawn under the plan.
+//! The curvature of roads over their length, drawn below the plan.
 
 use glam::DVec2;
 use svg::node::element::{Group, Rectangle};
@@ -11,15 +11,15 @@ use crate::palette;
 use crate::world::World;
 
 const HEIGHT: f64 = 124.0;
-/// Space for the numbers below the axis, and its name.
+/// Space in px for the numbers and the name below the axis.
 const FOOT: f64 = 32.0;
-/// Space for the title above the curve.
+/// Space in px for the title above the curve.
 const HEAD: f64 = 18.0;
 
-/// The profile with its upper border at `top`, and its height; `None` without roads.
+/// Draws the profile with its upper border at `top`, and returns it with its height; `None` without roads.
 ///
-/// Roads follow each other in the order of the world's list. Each pixel shows the greatest
-/// curvature to the left and to the right within it.
+/// Roads follow each other in the order of the world's list. Each pixel shows the greatest curvature to the left
+/// and to the right that occurs within it.
 pub(super) fn draw(
     world: &World,
     view: &View,
@@ -130,7 +130,7 @@ pub(super) fn draw(
     Some((group, HEIGHT))
 }
 
-/// Distance from the start, and the curvature from there on, of all roads one after another.
+/// Returns distances from the start, with the curvature from there on, of all roads one after another.
 fn samples(world: &World) -> Vec<(f64, f64)> {
     let mut samples = Vec::new();
     let mut length = 0.0;

@@ -1,4 +1,4 @@
-//! A landscape's classes as an embedded image.
+//! The classes of a landscape as an embedded image.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use crate::geometry::Rect;
 use crate::palette;
 use crate::world::ClassRaster;
 
-/// The classes of a raster, without 0.
+/// Returns the classes of a raster, without 0.
 pub(super) fn classes(raster: &ClassRaster) -> BTreeSet<u16> {
     let mut present = vec![false; 1 << 16];
     for &class in &raster.cells {
@@ -41,7 +41,7 @@ fn image(raster: &ClassRaster, view: &View) -> Result<Image, PictureError> {
     image.to_element(around.min, around.size())
 }
 
-/// A raster with smaller cells, sampled to one cell per pixel of the picture.
+/// Samples a raster that has cells smaller than a pixel, to one cell per pixel of the picture.
 fn sampled(
     raster: &ClassRaster,
     view: &View,

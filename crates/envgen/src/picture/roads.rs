@@ -1,4 +1,4 @@
-//! Roads: asphalt, edges and lane markings.
+//! Roads: surface, edges and lane markings.
 
 use std::collections::BTreeMap;
 
@@ -61,8 +61,8 @@ pub(super) fn draw(world: &World, view: &View) -> Option<Group> {
     Some(group)
 }
 
-/// A line beside a road's centreline, `offset` metres to its left. Points too near to each other to be
-/// distinguished are left out.
+/// Adds the line at `offset` metres to the left of a road's centreline. Points that are too near to each other to
+/// be distinguished are left out.
 fn lane_line(strip: &RoadStrip, offset: f64, view: &View, path: &mut PathData) {
     let last = strip.centreline.len() - 1;
     let mut previous = None;

@@ -1,17 +1,17 @@
-//! How parts look: their names in the legend, the order in which they are drawn, edges and textures.
-//! Their colours are those of the [`palette`].
+//! The styles of parts: their names in the legend, the order in which they are drawn, edges and textures. Their
+//! colours are those of the [`palette`].
 
 use crate::palette::{self, PartColor, Srgb};
 use crate::world::{ObstacleKind, SurfaceKind, WallKind};
 
-/// How a filled part looks.
+/// The style of a filled part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Style {
     /// Name in the legend.
     pub(super) name: &'static str,
     pub(super) fill: Srgb,
     pub(super) edge: Srgb,
-    /// Width of the edge in px. Walls have an edge of their own colour, so that thin ones stay visible.
+    /// Width of the edge in px. Walls have an edge of their own colour, so that thin walls remain visible.
     pub(super) edge_width: f64,
     pub(super) texture: Texture,
 }
@@ -29,7 +29,7 @@ pub(super) enum Texture {
 }
 
 impl Texture {
-    /// Whether the floor below shows through: such ground can cover whole rooms.
+    /// Whether the floor below is visible through the texture. Such ground can cover whole rooms.
     pub(super) fn is_see_through(self) -> bool {
         matches!(self, Texture::Rising | Texture::Falling)
     }
@@ -47,11 +47,11 @@ impl Style {
 }
 
 pub(super) const ROOM: Style = Style::new("room", palette::ROOM);
-/// People to be found.
+/// A victim.
 pub(super) const VICTIM: Style = Style::new("victim", palette::VICTIM).with_edge_width(1.0);
-/// The leaf of a door that moves.
+/// The leaf of a moving door.
 pub(super) const LEAF: Style = Style::new("door that moves", palette::LEAF);
-/// Someone who walks about.
+/// A person who moves in the scenario.
 pub(super) const PERSON: Style = Style::new("person, and a minute's path", palette::PERSON);
 pub(super) const SMOKE: Style = Style::new("smoke", palette::SMOKE);
 pub(super) const OPEN_DOOR: Style =
@@ -59,13 +59,13 @@ pub(super) const OPEN_DOOR: Style =
 pub(super) const CLOSED_DOOR: Style =
     Style::new("closed door", palette::CLOSED_DOORWAY).with_edge_width(1.0);
 
-/// The index in the order of drawing, and the style, of walls that lasers see only from near.
+/// The index in the order of drawing, and the style, of walls with a limited visible range.
 pub(super) const DARK_WALL: (u32, Style) =
     (6, Style::new("dark wall", palette::DARK).with_edge_width(0.7));
-/// The same of obstacles.
+/// The same for obstacles.
 pub(super) const DARK_OBSTACLE: (u32, Style) = (16, Style::new("dark obstacle", palette::DARK));
 
-/// A wall's index in the order of drawing, and its style.
+/// Returns a wall's index in the order of drawing, and its style.
 pub(super) fn wall(kind: WallKind) -> (u32, Style) {
     let (order, name) = match kind {
         WallKind::Kerb => (1, "kerb"),
@@ -77,7 +77,7 @@ pub(super) fn wall(kind: WallKind) -> (u32, Style) {
     (order, Style::new(name, palette::wall(kind)).with_edge_width(0.7))
 }
 
-/// An obstacle's index in the order of drawing, and its style.
+/// Returns an obstacle's index in the order of drawing, and its style.
 pub(super) fn obstacle(kind: ObstacleKind) -> (u32, Style) {
     let (order, name) = match kind {
         ObstacleKind::Other => (1, "obstacle"),
@@ -99,8 +99,8 @@ pub(super) fn obstacle(kind: ObstacleKind) -> (u32, Style) {
     (order, Style::new(name, palette::obstacle(kind)))
 }
 
-/// A surface's index in the order of drawing, and its style: classes by their number, then the
-/// others.
+/// Returns a surface's index in the order of drawing, and its style. Classes are drawn by their number, then the
+/// other surfaces.
 pub(super) fn surface(kind: SurfaceKind) -> (u32, Style) {
     const FIRST: u32 = 1 << 17;
     let (order, name, texture) = match kind {

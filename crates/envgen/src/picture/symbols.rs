@@ -1,4 +1,4 @@
-//! Symbols of the page and its legend: start and goal, scale bar, samples.
+//! Symbols of the page and its legend: start and goal, scale bar, and samples.
 
 use glam::DVec2;
 use svg::node::element::{Group, Path};
@@ -12,7 +12,7 @@ use crate::geometry::{Pose, Rect, unit_vector};
 use crate::palette::{self, Srgb};
 use crate::world::World;
 
-/// The start: a disc with an arrow along the heading.
+/// Draws the start: a disc with an arrow along the heading.
 pub(super) fn arrow(at: DVec2, pose: Pose) -> Group {
     let heading = unit_vector(pose.heading);
     let along = DVec2::new(heading.x, -heading.y);
@@ -25,8 +25,8 @@ pub(super) fn arrow(at: DVec2, pose: Pose) -> Group {
     haloed(path, palette::START, palette::PAGE, 3.0)
 }
 
-/// A symbol or a label with a rim of another colour, which separates it from what lies below. The rim
-/// is an element of its own, since not every program supports `paint-order`.
+/// Draws a symbol or a label with a rim of another colour, which separates it from what lies below. The rim is a
+/// separate element, since not every program supports `paint-order`.
 pub(super) fn haloed(path: PathData, color: Srgb, halo: Srgb, width: f64) -> Group {
     let rim = filled(path.clone(), halo)
         .set("stroke", halo.to_string())
@@ -35,8 +35,8 @@ pub(super) fn haloed(path: PathData, color: Srgb, halo: Srgb, width: f64) -> Gro
     Group::new().add(rim).add(filled(path, color))
 }
 
-/// The goal: a flag whose pole ends on it, 23 px high at a size of 1. It has no rim, which would cut
-/// open the walls behind it.
+/// Draws the goal: a flag whose pole ends at the goal, 23 px high at a size of 1. It has no rim, which would hide
+/// parts of the walls behind it.
 pub(super) fn flag(at: DVec2, size: f64) -> Group {
     let p = |x: f64, y: f64| at + DVec2::new(x, y) * size;
     let [mut pole, mut cloth] = [PathData::new(2), PathData::new(2)];
@@ -50,7 +50,7 @@ pub(super) fn flag(at: DVec2, size: f64) -> Group {
     Group::new().add(filled(pole, palette::INK)).add(cloth)
 }
 
-/// The rectangles that the symbols of start and goal cover.
+/// Returns the rectangles that the symbols of start and goal cover.
 pub(super) fn symbols(world: &World, view: &View) -> Vec<Rect> {
     let start = world.start.map(|start| {
         let at = view.px(start.position);
@@ -65,8 +65,8 @@ pub(super) fn symbols(world: &World, view: &View) -> Vec<Rect> {
     start.into_iter().chain(goal).collect()
 }
 
-/// The scale bar with its lower left corner at `at`, and its width with the label; `None` when
-/// no round length is long enough to be visible.
+/// Draws the scale bar with its lower left corner at `at`, and returns it with its width including the label;
+/// `None` if no round length is long enough to be visible.
 pub(super) fn scale_bar(view: &View, at: DVec2, typesetter: &Typesetter) -> Option<(Group, f64)> {
     let metres = view::round_number(130.0_f64.min(0.5 * view.plan.size().x) / view.scale)?;
     let long = metres * view.scale;
@@ -85,7 +85,7 @@ pub(super) fn scale_bar(view: &View, at: DVec2, typesetter: &Typesetter) -> Opti
     Some((group, long + 6.0 + typesetter.width(&text, 12.0)))
 }
 
-/// A legend's sample of a filled part.
+/// Draws a legend's sample of a filled part.
 pub(super) fn sample(style: Style, min: DVec2, max: DVec2) -> Path {
     let mut path = PathData::new(2);
     path.rect(min, max);
@@ -94,7 +94,7 @@ pub(super) fn sample(style: Style, min: DVec2, max: DVec2) -> Path {
         .set("stroke-width", style.edge_width.max(0.8))
 }
 
-/// A colour bar from 0 to 10 of the difficulties, `width` px wide, and its numbers.
+/// Draws a colour bar of the difficulties from 0 to 10, `width` px wide, with its numbers.
 pub(super) fn difficulty_bar(
     min: DVec2,
     width: f64,

@@ -1,12 +1,12 @@
-//! Labels, drawn as outlines of an embedded font (Noto Sans, SIL Open Font License 1.1), so that
-//! they look the same in every program and on every machine.
+//! Labels, drawn as outlines of an embedded font (Noto Sans, SIL Open Font License 1.1), so that they are the same
+//! in every program and on every machine.
 
 use glam::DVec2;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 use super::path::PathData;
 
-/// Which point of a label its given position is.
+/// The point of a label that is placed at the given position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Left,
@@ -14,13 +14,13 @@ pub(super) enum Align {
     Right,
 }
 
-/// The height of capitals, as a share of the font size.
+/// The height of capital letters, as a share of the font size.
 pub(super) const CAPITAL_HEIGHT: f64 = 0.714;
 
 /// Writes labels into paths.
 #[derive(Debug)]
 pub(super) struct Typesetter {
-    /// `None` if the font cannot be read, which a test rules out.
+    /// The font; `None` if it cannot be read, which a test excludes.
     face: Option<Face<'static>>,
 }
 
@@ -33,7 +33,7 @@ impl Typesetter {
         size / f64::from(face.units_per_em().max(1))
     }
 
-    /// Width of a label in px.
+    /// Returns the width of a label in px.
     pub(super) fn width(&self, label: &str, size: f64) -> f64 {
         let Some(face) = &self.face else { return 0.0 };
         let units: f64 = label.chars().map(|c| advance(face, glyph(face, c))).sum();
@@ -64,8 +64,8 @@ impl Typesetter {
         }
     }
 
-    /// The label broken between words into at most the given number of lines, none wider than `width` px;
-    /// `None` where that is impossible, or where it is empty.
+    /// Breaks the label between words into at most the given number of lines, none of them wider than `width` px;
+    /// `None` if this is impossible, or if the label is empty.
     pub(super) fn wrapped(
         &self,
         label: &str,
@@ -87,8 +87,8 @@ impl Typesetter {
         (!lines.is_empty()).then_some(lines)
     }
 
-    /// The label, cut with an ellipsis where it is wider than `width` px; `None` when not even a
-    /// few letters fit.
+    /// Returns the label, cut with an ellipsis if it is wider than `width` px; `None` if not even a few letters
+    /// fit.
     pub(super) fn fitted(&self, label: &str, size: f64, width: f64) -> Option<String> {
         if self.width(label, size) <= width {
             return Some(label.to_owned());

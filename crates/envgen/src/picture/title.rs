@@ -1,4 +1,4 @@
-//! The title of a picture: kind of world and seed, and the settings that differ from the defaults.
+//! The title of a picture: kind and seed of the world, and the settings that differ from the defaults.
 
 use glam::DVec2;
 use svg::node::element::Group;
@@ -27,7 +27,7 @@ pub(super) struct Heading {
 }
 
 impl Heading {
-    /// A title without settings.
+    /// Creates a title without settings.
     pub(super) fn plain(name: String) -> Heading {
         Heading { name, settings: String::new() }
     }
@@ -47,7 +47,7 @@ impl Heading {
         }
     }
 
-    /// The whole text, without the characters that XML cannot hold.
+    /// Returns the whole text, without characters that XML cannot contain.
     pub(super) fn text(&self) -> String {
         let whole = match self.settings.as_str() {
             "" => self.name.clone(),
@@ -57,7 +57,7 @@ impl Heading {
         whole.chars().filter(printable).collect()
     }
 
-    /// The name, the settings, and at the right the size of the world where there is space for it.
+    /// Draws the name, the settings and, if there is space, the size of the world at the right.
     pub(super) fn row(&self, view: &View, right: f64, typesetter: &Typesetter) -> Group {
         let (left, baseline) = (view.plan.min.x, view.plan.min.y - 9.0);
         let room = right - left;
@@ -86,7 +86,7 @@ impl Heading {
     }
 }
 
-/// What is known of a world's difficulty: measured, else predicted.
+/// Returns the difficulty of a world, if it is known: the measured one, otherwise the predicted one.
 fn difficulty(world: &World) -> Option<String> {
     let predicted = world.certificate.iter().find_map(|claim| match claim {
         Claim::PredictedDifficulty { prediction } => Some(prediction.dials.difficulty),

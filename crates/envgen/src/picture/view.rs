@@ -5,10 +5,10 @@ use glam::DVec2;
 use crate::geometry::{Rect, Shape};
 use crate::world::World;
 
-/// From metres (y up) to pixels (y down).
+/// The transform from metres (y up) to pixels (y down).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
-    /// The visible area, in metres.
+    /// The visible area of the world, in metres.
     pub(super) world: Rect,
     /// The position of the plan in the picture, in whole px.
     pub(super) plan: Rect,
@@ -19,9 +19,8 @@ pub(super) struct View {
 }
 
 impl View {
-    /// A plan of at most `most` px, borders of `border` px around the world included, and of at
-    /// least `least` px, with its upper left corner at `corner`. `None` when no finite scale is
-    /// possible.
+    /// Creates a view with a plan of at most `most` px, including borders of `border` px around the world, and of
+    /// at least `least` px, with its upper left corner at `corner`. `None` if no finite scale is possible.
     pub(super) fn new(
         world: Rect,
         corner: DVec2,
@@ -44,25 +43,25 @@ impl View {
         Some(View { world, plan, scale, origin })
     }
 
-    /// A point of the world in px.
+    /// Returns the position of a point of the world in px.
     pub(super) fn px(&self, p: DVec2) -> DVec2 {
         let offset = (p * 0.5 - self.world.min * 0.5) * self.scale * 2.0;
         DVec2::new(self.origin.x + offset.x, self.origin.y - offset.y)
     }
 
-    /// The outline of a box or polygon in px.
+    /// Returns the outline of a box or polygon in px.
     pub(super) fn outline(&self, shape: &Shape) -> Vec<DVec2> {
         shape.corners().into_iter().map(|corner| self.px(corner)).collect()
     }
 
-    /// The rectangle in px around one in metres.
+    /// Returns the rectangle in px of a rectangle in metres.
     pub(super) fn px_rect(&self, rect: Rect) -> Rect {
         let (a, b) = (self.px(rect.min), self.px(rect.max));
         Rect::new(a.min(b), a.max(b))
     }
 }
 
-/// The area that a picture of a world shows: its bounds, roads to their edges, and the raster.
+/// Returns the area that a picture of a world shows: its bounds, the roads up to their edges, and the raster.
 pub(super) fn extent(world: &World) -> Rect {
     let mut extent = world.bounds;
     for strip in &world.road_strips {
@@ -76,8 +75,8 @@ pub(super) fn extent(world: &World) -> Rect {
     if finite { extent } else { world.bounds }
 }
 
-/// The greatest of 1, 2, 5 times a power of ten that is not above `most`; `None` when there is no
-/// such number.
+/// Returns the greatest number that is 1, 2 or 5 times a power of ten and not above `most`; `None` if no such
+/// number exists.
 pub(super) fn round_number(most: f64) -> Option<f64> {
     if !(most.is_finite() && most > 0.0) {
         return None;
@@ -91,7 +90,7 @@ pub(super) fn round_number(most: f64) -> Option<f64> {
         .filter(|number| number.is_normal())
 }
 
-/// A length as text: `500 m`, `2 km`, `5 cm`.
+/// Formats a length as text, such as `500 m`, `2 km` or `5 cm`.
 pub(super) fn length(metres: f64) -> String {
     match metres {
         m if m >= 1e7 => format!("{} km", scientific(m / 1000.0)),
@@ -103,7 +102,7 @@ pub(super) fn length(metres: f64) -> String {
     }
 }
 
-/// Three significant digits, without trailing zeros.
+/// Formats a number with three significant digits, without trailing zeros.
 pub(super) fn short(number: f64) -> String {
     let decimals = match number.abs() {
         n if n >= 100.0 => 0,
