@@ -3,10 +3,10 @@
 use super::feature::features;
 use crate::distance::{assert_whole_rows, squared_distances};
 
-/// Cells up to which an obstacle counts for the dispersion.
+/// The greatest distance in cells of an obstacle that counts for the dispersion.
 const RADIUS: u32 = 3;
 
-/// The rays of the dispersion in their order around, as rows and columns.
+/// The rays of the dispersion in their circular order, as rows and columns.
 const RAYS: [(isize, isize); 16] = [
     (0, 1),
     (1, 2),
@@ -26,22 +26,22 @@ const RAYS: [(isize, isize); 16] = [
     (-1, 2),
 ];
 
-/// The two rays that the published code has in the wrong order.
+/// The two rays that are in the wrong order in the published code.
 const SWAPPED: (usize, usize) = (9, 11);
 
 /// The axes of the characteristic dimension.
 const AXES: [(isize, isize); 4] = [(0, 1), (1, 1), (1, 0), (1, -1)];
 
-/// How BARN's metrics are computed.
+/// The variants of computing BARN's metrics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BarnMode {
-    /// As in the code that BARN published: slope rays of the dispersion with a component of -2 reach three
-    /// jumps far, those with +2 only two, and two of them are in the wrong order around, so that the metric
-    /// is not symmetric; in a map without obstacles the closest one is half the rows away; the visibility
-    /// counts the own cell once for each ray.
+    /// As in the code that BARN published. For the dispersion, slope rays with a component of -2 reach three jumps
+    /// far, those with +2 only two, and two of them are in the wrong circular order, so that the metric is not
+    /// symmetric. In a map without obstacles, the distance to the closest obstacle is half the number of rows. The
+    /// visibility counts the own cell once for each ray.
     Reference,
-    /// All slope rays reach two jumps far and are in order; without obstacles there is no closest one; the visibility does
-    /// not count the own cell.
+    /// All slope rays reach two jumps far and are in order. Without obstacles, the distance to the closest obstacle
+    /// does not exist. The visibility does not count the own cell.
     Corrected,
 }
 
@@ -61,25 +61,24 @@ pub enum BarnMode {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BarnMetrics {
-    /// Mean distance to the closest blocked cell, in cells, 256 at most; easier paths have more.
+    /// Mean distance to the closest blocked cell, in cells, at most 256. It is greater for easier paths.
     pub closest_obstacle_cells: Option<f64>,
     /// Mean over the path of the mean free length of the eight compass rays, in cells.
     pub visibility_cells: f64,
-    /// Mean number of changes between free and blocked, from 0 to 16, among 16 rays around.
+    /// Mean number of changes between free and blocked, from 0 to 16, among 16 rays around a cell.
     pub dispersion: f64,
-    /// Mean over the path of the least free length along four axes, the own cell excluded, in cells.
+    /// Mean over the path of the least free length along four axes, without the own cell, in cells.
     pub characteristic_dimension_cells: f64,
-    /// Length of the path by the distance of its ends; none where they are the same.
+    /// Length of the path divided by the distance between its ends; `None` if both ends are the same cell.
     pub tortuosity: Option<f64>,
 }
 
 impl BarnMetrics {
-    /// The metrics of a path over a grid of `cols` columns in which `blocked` marks the cells of C-space
-    /// that the robot cannot be in, row by row; the path is a list of cells by their index. `None` for an
-    /// empty path.
+    /// Computes the metrics of a path over a grid of `cols` columns. `blocked` marks, row by row, the cells of
+    /// C-space in which the robot cannot be. The path is a list of cell indices. Returns `None` for an empty path.
     ///
     /// # Panics
-    /// When the cells do not fill whole rows, or the path leaves the grid.
+    /// When the cells do not fill whole rows, or when the path leaves the grid.
     #[track_caller]
     pub fn of(cols: usize, blocked: &[bool], path: &[usize], mode: BarnMode) -> Option<Self> {
         assert_whole_rows(blocked.len(), cols);
@@ -90,14 +89,14 @@ impl BarnMetrics {
     }
 }
 
-/// The cells that are blocked.
+/// A grid with its blocked cells.
 struct Grid<'a> {
     cols: isize,
     rows: isize,
     blocked: &'a [bool],
-    /// Squared distance of every cell to the closest blocked one, in cells; empty where there is none.
+    /// Squared distance of every cell to the closest blocked cell, in cells; empty if no cell is blocked.
     squared: Vec<u16>,
-    /// For each of [`AXES`] the length of the run of free cells along it that a cell is in, 0 for blocked ones.
+    /// For each of [`AXES`], the length of the run of free cells along it that contains a cell; 0 for blocked cells.
     runs: [Vec<u32>; 4],
 }
 
@@ -155,7 +154,7 @@ impl<'a> Grid<'a> {
         (((r - s) * (r - s) + (c - d) * (c - d)) as f64).sqrt()
     }
 
-    /// The visibility and the characteristic dimension of a cell.
+    /// Returns the visibility and the characteristic dimension of a cell.
     fn free_lengths(&self, cell: usize, mode: BarnMode) -> (f64, f64) {
         if self.blocked[cell] {
             return (0.0, -1.0);
@@ -201,8 +200,9 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// For each cell the length of the run of free cells along an axis that it is in: all in two passes, since
-/// following the axis from each cell takes as long as the square of a corridor's length.
+/// Returns for each cell the length of the run of free cells along an axis that contains the cell. Two passes are
+/// enough for all cells, whereas following the axis from each cell would take time proportional to the square of a
+/// corridor's length.
 fn runs(cols: usize, blocked: &[bool], (down, right): (isize, isize)) -> Vec<u32> {
     let step = down * cols as isize + right;
     // The cell before this one, or after it, along the axis.
@@ -230,9 +230,9 @@ fn step_length(down: isize, right: isize) -> f64 {
 }
 
 features! {
-    /// BARN's metrics ([`BarnMetrics`]) of the C-space grid along the tour, and along the shortest path from
-    /// start to goal: in reference mode in cells, in corrected mode in metres. None without a goal that can
-    /// be reached, and where a metric does not exist.
+    /// BARN's metrics ([`BarnMetrics`]) of the C-space grid, along the tour and along the shortest path from start
+    /// to goal. In reference mode they are in cells, in corrected mode in metres. `None` if no goal can be reached,
+    /// and if a metric does not exist.
     pub struct Barn {
         /// Along the tour, reference mode: distance to the closest obstacle.
         barn_reference_tour_closest_obstacle_cells: Option<f64>, "cells";
@@ -278,7 +278,7 @@ features! {
 }
 
 impl Barn {
-    /// The metrics of the tour's cells and of those from start to goal, over cells of `side` metres.
+    /// Computes the metrics of the cells of the tour and of those from start to goal, over cells of `side` metres.
     pub(super) fn of(
         cols: usize,
         blocked: &[bool],

@@ -1,4 +1,4 @@
-//! How much room a robot has.
+//! Features of clearance: how much space a robot has.
 
 use super::feature::features;
 use super::space::Space;
@@ -6,14 +6,14 @@ use super::statistics::{mean, quantile};
 use super::tour::Tour;
 use crate::union_find::UnionFind;
 
-/// Clearance in metres at which space is taken apart.
+/// The clearance in metres below which the reachable area is divided into pieces.
 const ROOMY: f64 = 0.5;
 
-/// Least area of a piece in square metres.
+/// The least area of a piece in square metres.
 const LEAST_PIECE: f64 = 1.0;
 
 features! {
-    /// Distances from the robot's centre to the nearest solid, up to 1.5 m.
+    /// Features of the clearance: distances from the robot's centre to the nearest solid, up to 1.5 m.
     pub struct Clearance {
         /// Area that the robot's centre can be on.
         reachable_area_m2: f64, "m^2";
@@ -65,7 +65,7 @@ impl Clearance {
     }
 }
 
-/// The pieces of space of clearance [`ROOMY`], and the passages that connect them.
+/// The pieces of space with a clearance of [`ROOMY`], and the passages that connect them.
 struct Passages {
     pieces: u64,
     /// Width of each passage in metres.
@@ -73,8 +73,8 @@ struct Passages {
 }
 
 impl Passages {
-    /// Adds the cells by falling clearance, and joins what touches: two pieces are joined at the least
-    /// clearance of the widest path between them.
+    /// Adds the cells by falling clearance, and joins adjacent ones. Two pieces are joined at the least clearance
+    /// of the widest path between them.
     fn new(space: &Space<'_>, by_clearance: &[usize]) -> Self {
         let least = (LEAST_PIECE / space.cell_area()).ceil() as usize;
         let mut sets = UnionFind::new(space.frame.len());

@@ -1,23 +1,23 @@
-//! How far the pose of a robot drifts that corrects its odometry by its scans.
+//! Features of drift: the pose error of a robot that corrects its odometry by its scans.
 
 use super::feature::features;
 use super::platform::Platform;
 use super::tour::Stop;
 
-/// How much of a scan's information a scan matcher uses: fitted once to mapping trials.
+/// The share of a scan's information that a scan matcher uses, fitted once to mapping trials.
 const USED: f64 = 0.02;
 
-/// A scan of at least this l2 holds the position well: that many echoes whose walls are square to its worst
+/// The least l2 of a scan that holds the position well: the number of echoes whose walls are square to its worst
 /// direction. With a sigma of 0.01 m it leaves a standard deviation of 0.022 m.
 const WELL_HELD: f64 = 10.0;
 
 features! {
-    /// Drift along the tour: at each scan odometry adds the variance
-    /// `q = f k_ss ds + f k_st |dth| + (b ds)^2`, of which the scan leaves
-    /// `u = 1 / (1/q + 0.02 l2 / sigma^2)`, with l2 of the scan's information; the heading likewise with
-    /// `f k_tt |dth| + f k_ts ds` and the information on the heading. f is the ground's factor on the
-    /// variances of odometry, and b how much too far wheels measure on it, which is a systematic error: as
-    /// a variance it counts by its square from one scan to the next.
+    /// Features of the drift along the tour. At each scan, odometry adds the variance
+    /// `q = f k_ss ds + f k_st |dth| + (b ds)^2`, of which the scan leaves `u = 1 / (1/q + 0.02 l2 / sigma^2)`,
+    /// with l2 of the scan's information. The heading is treated likewise with `f k_tt |dth| + f k_ts ds` and the
+    /// information on the heading. Here f is the ground's factor on the variances of odometry, and b the fraction
+    /// by which wheels measure distances too far on it. The latter is a systematic error: as a variance, it counts
+    /// by its square from one scan to the next.
     pub struct Drift {
         /// Root of the sum of all u: the standard deviation of the position that the worst directions of
         /// the scans leave.
@@ -80,7 +80,7 @@ impl Drift {
     }
 }
 
-/// The variance that a measurement of some information leaves.
+/// Returns the variance that remains after a measurement of some information.
 fn left(variance: f64, information: f64) -> f64 {
     variance / (1.0 + variance * information)
 }

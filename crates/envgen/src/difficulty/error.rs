@@ -1,4 +1,4 @@
-//! Why a world has no difficulty vector.
+//! Errors of computing difficulty vectors.
 
 use thiserror::Error;
 
@@ -7,17 +7,17 @@ use crate::error::SpecError;
 use crate::occupancy::OccupancyError;
 use crate::world::Violation;
 
-/// Why a world has no difficulty vector for a robot.
+/// The reasons why a world has no difficulty vector for a robot.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum DifficultyError {
-    /// A number of the robot or its laser is not allowed.
+    /// A number of the robot or of its laser is not allowed.
     #[error(transparent)]
     Platform(#[from] SpecError),
     /// The world breaks an invariant.
     #[error("the world is broken: {0}")]
     World(#[from] Violation),
-    /// The world is too large for its grid.
+    /// The grid of the world would be too large.
     #[error(transparent)]
     Size(#[from] OccupancyError),
     /// The world is too large for cells of [`MAX_CELL`].
@@ -25,12 +25,12 @@ pub enum DifficultyError {
         "the bounds of the world must hold at most {MAX_CELLS} cells of {MAX_CELL} m, got {width} m x {height} m"
     )]
     TooLarge {
-        /// Their width in metres.
+        /// Width of the bounds in metres.
         width: f64,
-        /// Their height in metres.
+        /// Height of the bounds in metres.
         height: f64,
     },
-    /// So many solids are near each other that the clearances take over [`MAX_READS`] distances to solids.
+    /// So many solids are near each other that the clearances would take more than [`MAX_READS`] distances to solids.
     #[error(
         "the solids of the world are too dense: their clearances must take at most {MAX_READS} distances to solids"
     )]
@@ -40,17 +40,17 @@ pub enum DifficultyError {
         "`start` must be on ground to drive on with {radius} m of free ground all around, got ({x}, {y}) m"
     )]
     Start {
-        /// Its x in metres.
+        /// The x coordinate of the start in metres.
         x: f64,
-        /// Its y in metres.
+        /// The y coordinate of the start in metres.
         y: f64,
-        /// The distance that the robot's centre keeps from solids, in metres.
+        /// The distance that the robot's centre must keep from solids, in metres.
         radius: f64,
     },
-    /// The world has no start, and the robot fits nowhere.
+    /// The world has no start, and the robot does not fit anywhere.
     #[error("the world has no ground to drive on with {radius} m of free ground all around")]
     NoGround {
-        /// The distance that the robot's centre keeps from solids, in metres.
+        /// The distance that the robot's centre must keep from solids, in metres.
         radius: f64,
     },
 }

@@ -1,19 +1,19 @@
-//! Features: numbers with name and unit.
+//! Features: numbers with a name and a unit.
 
 use serde::Serialize;
 
-/// What a feature is.
+/// The description of a feature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Feature {
-    /// Name, which ends with its unit where it has one, such as `tour_length_95_m`.
+    /// The name, which ends with the unit if there is one, such as `tour_length_95_m`.
     pub name: &'static str,
-    /// Unit; empty for shares, ratios and numbers of things.
+    /// The unit; empty for shares, ratios and counts.
     pub unit: &'static str,
-    /// What it measures, without the last full stop.
+    /// What the feature measures, without a full stop at the end.
     pub help: &'static str,
 }
 
-/// A number of a feature.
+/// A number that can be the value of a feature.
 pub(super) trait Number {
     fn number(self) -> Option<f64>;
 }
@@ -36,8 +36,8 @@ impl Number for Option<f64> {
     }
 }
 
-/// Declares a struct of features: fields with documentation, type and unit, each written once. Their list
-/// and their values are in the same order.
+/// Declares a struct of features: fields with documentation, type and unit, each written once. The lists of the
+/// features and of their values have the same order.
 macro_rules! features {
     (
         $(#[$meta:meta])*
@@ -55,7 +55,7 @@ macro_rules! features {
         }
 
         impl $Features {
-            /// Every feature, in order.
+            /// Every feature, in order of declaration.
             pub const FEATURES: &'static [$crate::difficulty::Feature] = &[$(
                 $crate::difficulty::Feature {
                     name: stringify!($field),
@@ -64,7 +64,7 @@ macro_rules! features {
                 },
             )+];
 
-            /// The values, in the order of [`Self::FEATURES`]; `None` where a feature does not exist.
+            /// Returns the values, in the order of [`Self::FEATURES`]; `None` where a feature does not exist.
             pub fn values(&self) -> Vec<Option<f64>> {
                 use $crate::difficulty::feature::Number as _;
                 vec![$(self.$field.number()),+]

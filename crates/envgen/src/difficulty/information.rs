@@ -1,36 +1,36 @@
-//! How much a scan says of the pose that it was taken from.
+//! The information that a scan contains about the pose from which it was taken.
 
 use glam::DVec2;
 
-/// Share of a sum of squares that rounding can leave of zero.
+/// The share of a sum of squares that rounding can leave of zero.
 const ROUNDING: f64 = 1e-12;
 
-/// Fisher information of a scan in units of 1 / sigma^2, where sigma is the standard deviation of a range:
-/// the sum of `J^T J` over its echoes with `J = (n, r sin(incidence))`, the point-to-line form, whose weights
-/// are bounded where a beam grazes a wall.
+/// Fisher information of a scan in units of 1 / sigma^2, where sigma is the standard deviation of a range. It is
+/// the sum of `J^T J` over the scan's echoes with `J = (n, r sin(incidence))`, in the point-to-line form, whose
+/// weights are bounded where a beam grazes a wall.
 ///
 /// A. Censi, On achievable accuracy for range-finder localization, ICRA 2007,
 /// doi:10.1109/ROBOT.2007.364120; A. Censi, An ICP variant using a point-to-line metric, ICRA 2008,
 /// doi:10.1109/ROBOT.2008.4543181.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScanInformation {
-    /// l1, the larger eigenvalue of the information on the position when the heading is unknown: the
-    /// Schur complement of the heading.
+    /// l1, the greater eigenvalue of the information on the position if the heading is unknown: the Schur
+    /// complement of the heading.
     pub greatest: f64,
-    /// l2, the smaller one.
+    /// l2, the lesser eigenvalue of the same.
     pub least: f64,
-    /// Information on the heading when the position is unknown, in m^2.
+    /// Information on the heading if the position is unknown, in m^2.
     pub heading: f64,
 }
 
 impl ScanInformation {
-    /// l2 / l1, from 0 to 1; 0 without echo.
+    /// Returns l2 / l1, from 0 to 1; 0 without echoes.
     pub fn ratio(&self) -> f64 {
         if self.greatest > 0.0 { (self.least / self.greatest).min(1.0) } else { 0.0 }
     }
 }
 
-/// The sums of which the information of a scan is made.
+/// The sums from which the information of a scan is computed.
 ///
 /// ```
 /// use envgen::difficulty::Echoes;
@@ -50,16 +50,16 @@ impl ScanInformation {
 pub struct Echoes {
     /// Sums of `n_x^2`, `n_x n_y` and `n_y^2`.
     normals: [f64; 3],
-    /// Sum of `n k`, where k is the lever of the heading.
+    /// Sum of `n k`, where k is the lever arm of the heading.
     mixed: DVec2,
     levers: f64,
-    /// Sum of squared ranges, to which rounding is compared.
+    /// Sum of squared ranges, with which rounding errors are compared.
     ranges: f64,
 }
 
 impl Echoes {
-    /// Adds an echo: the vector from the laser to it in metres, and the unit normal of the wall there,
-    /// both in the same frame.
+    /// Adds an echo: the vector from the laser to it in metres, and the unit normal of the wall at the echo, both
+    /// in the same frame.
     pub fn add(&mut self, echo: DVec2, normal: DVec2) {
         let lever = echo.perp_dot(normal);
         self.normals[0] += normal.x * normal.x;
@@ -70,7 +70,7 @@ impl Echoes {
         self.ranges += echo.length_squared();
     }
 
-    /// The information of the echoes so far.
+    /// Returns the information of the echoes that were added so far.
     pub fn information(&self) -> ScanInformation {
         let [xx, xy, yy] = self.normals;
         let known = self.levers > ROUNDING * self.ranges;
@@ -96,7 +96,7 @@ impl Echoes {
     }
 }
 
-/// Eigenvalues of a symmetric matrix that has no negative ones, the greater first.
+/// Returns the eigenvalues of a positive semidefinite symmetric matrix, the greater first.
 fn eigenvalues(xx: f64, xy: f64, yy: f64) -> (f64, f64) {
     let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let spread = (half * half + xy * xy).sqrt();

@@ -1,4 +1,4 @@
-//! What a robot drives from one scan to the next, and what the ground does to its odometry there.
+//! The motion of a robot from one scan to the next, and the effect of the ground on its odometry.
 
 use glam::DVec2;
 
@@ -22,25 +22,25 @@ impl Floor {
     }
 }
 
-/// What a robot drives from one scan to the next.
+/// The motion of a robot from one scan to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Leg {
     /// Distance in metres.
     pub(super) distance: f64,
     /// Turning in radians.
     pub(super) turning: f64,
-    /// The integral over the distance of what the ground's factor on the odometry's variances is over 1, in
-    /// metres: on plain floor it adds nothing, to the last bit.
+    /// The integral over the distance of the excess over 1 of the ground's factor on the odometry's variances, in
+    /// metres. Plain floor adds nothing, to the last bit.
     pub(super) slip_distance: f64,
-    /// The same over the turning, in radians.
+    /// The same integral over the turning, in radians.
     pub(super) slip_turning: f64,
-    /// How much too far the wheels measure, in metres.
+    /// The distance in metres by which the wheels measure too far.
     pub(super) wheel_bias: f64,
 }
 
 impl Leg {
-    /// Adds what the ground does on a straight piece that ends at a point. [`Leg::distance`] is added apart,
-    /// once for all pieces of a line, whose sum would be rounded.
+    /// Adds the effect of the ground on a straight piece that ends at a point. [`Leg::distance`] is added
+    /// separately, once for all pieces of a line, because their sum would be rounded.
     pub(super) fn roll(&mut self, floor: &Floor, to: DVec2, distance: f64) {
         let ground = floor.at(to);
         self.slip_distance += (ground.odometry_noise - 1.0) * distance;

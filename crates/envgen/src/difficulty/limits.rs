@@ -1,11 +1,11 @@
-//! How large and how dense the worlds of difficulty vectors may be.
+//! The limits of worlds for which difficulty vectors are computed.
 
-/// The most cells of the grid; larger worlds have larger cells.
+/// The greatest number of cells of the grid. Larger worlds have larger cells.
 pub const MAX_CELLS: usize = 1 << 18;
 
-/// The greatest side of a cell in metres: in larger ones a robot's ground and moves mean little.
+/// The greatest side of a cell in metres. In larger cells, a robot's ground and moves would mean little.
 pub const MAX_CELL: f64 = 5.0;
 
-/// The most distances to solids that all clearances take, about a second's worth, a polygon counting once for
-/// each corner: where solids are piled on each other, each clearance takes many.
+/// The greatest number of distances to solids that all clearances may take, which is about a second's work. A
+/// polygon counts once for each corner. If solids are piled on each other, each clearance takes many distances.
 pub const MAX_READS: usize = 1 << 28;

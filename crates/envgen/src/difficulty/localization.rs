@@ -1,14 +1,14 @@
-//! How well scans tell the robot's position.
+//! Features of localization: how well scans determine the robot's position.
 
 use super::feature::features;
 use super::poses::View;
 use super::statistics::{mean, quantile};
 
-/// Ratio of the eigenvalues under which a pose counts as degenerate.
+/// The ratio of the eigenvalues below which a pose counts as degenerate.
 const DEGENERATE: f64 = 0.05;
 
 features! {
-    /// How well scans tell the robot's position: A. Censi, On achievable accuracy for range-finder
+    /// Features of how well scans determine the robot's position: A. Censi, On achievable accuracy for range-finder
     /// localization, ICRA 2007, doi:10.1109/ROBOT.2007.364120.
     pub struct Localization {
         /// Translation degeneracy: 1 less the mean of l2/l1, 0 for scans that fix both directions

@@ -1,8 +1,8 @@
-//! The difficulty vector: numbers that state how hard a world is to map, for a robot and its laser.
+//! The difficulty vector: features of a world that determine how difficult it is to map, for a robot and its laser.
 //!
-//! All of them follow from the [`World`] alone, without simulation, and are the same to the last bit on every
-//! platform. What each measures, with unit and source, is documented at the field; [`DifficultyVector::features`]
-//! lists them all, and [`DifficultyVector::values`] gives their values in the same order.
+//! All features follow from the [`World`] alone, without simulation, and are the same to the last bit on every
+//! platform. Each is documented at its field, with unit and source. [`DifficultyVector::features`] lists them all,
+//! and [`DifficultyVector::values`] returns their values in the same order.
 //!
 //! ```
 //! use envgen::difficulty::{DifficultyVector, Platform};
@@ -21,13 +21,14 @@
 //!
 //! # Method
 //!
-//! A grid of [`CELL`] covers the world's bounds; worlds with more than [`MAX_CELLS`] cells get larger ones,
-//! and those that would need cells over [`MAX_CELL`] have no vector.
-//! Cells are free where the robot's centre has its circumscribed radius and 5 mm of clearance, on ground that
-//! it can drive on; those that it reaches from the world's start, or without a start those of the largest
-//! connected region, are the ground of the vector. Distances to solids and rays are exact. [`POSES`] poses
-//! are spread over that ground. The tour ends after [`MAX_SCANS`] scans, or when its searches have visited
-//! [`MAX_VISITS`] cells: features that it has not come to are `None` then.
+//! A grid of [`CELL`] covers the world's bounds. Worlds with more than [`MAX_CELLS`] such cells get larger cells;
+//! worlds that would need cells over [`MAX_CELL`] have no vector.
+//!
+//! A cell is free if the robot's centre has a clearance of its circumscribed radius and 5 mm there, on ground on
+//! which it can drive. The free cells that it reaches from the world's start are the ground of the vector; without
+//! a start, those of the largest connected region. Distances to solids and rays are exact. [`POSES`] poses are
+//! spread over that ground. The tour ends after [`MAX_SCANS`] scans, or when its searches have visited
+//! [`MAX_VISITS`] cells; features that it has not reached by then are `None`.
 
 mod barn;
 mod clearance;
@@ -82,7 +83,7 @@ use space::Space;
 use tour::Tour;
 
 features! {
-    /// The ground that the other features are about.
+    /// The ground to which the other features refer.
     pub struct Ground {
         /// Area of the ground that the robot's body can cover, F.
         ground_area_m2: f64, "m^2";
@@ -91,25 +92,25 @@ features! {
     }
 }
 
-/// The difficulty vector of a world. It serialises to one flat object, `null` where a feature does not exist.
+/// The difficulty vector of a world. It serialises to one flat object, with `null` for features that do not exist.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DifficultyVector {
     /// The ground that the robot reaches.
     #[serde(flatten)]
     pub ground: Ground,
-    /// How well scans tell the position.
+    /// How well scans determine the position.
     #[serde(flatten)]
     pub localization: Localization,
     /// How much the robot sees.
     #[serde(flatten)]
     pub visibility: Visibility,
-    /// The tour of an errorless robot.
+    /// The tour of a robot without errors.
     #[serde(flatten)]
     pub tour: TourFeatures,
     /// Drift along the tour.
     #[serde(flatten)]
     pub drift: Drift,
-    /// How much room there is.
+    /// The clearance of the robot.
     #[serde(flatten)]
     pub clearance: Clearance,
     /// The walls.
@@ -124,11 +125,11 @@ pub struct DifficultyVector {
 }
 
 impl DifficultyVector {
-    /// Computes the vector of a world for a robot and its laser.
+    /// Computes the difficulty vector of a world for a robot and its laser.
     ///
     /// # Errors
-    /// When a number of the platform is not allowed, when the world is broken, too large or its solids are
-    /// too dense, and when the robot does not fit at the world's start, or anywhere in a world without a start.
+    /// When a number of the platform is not allowed; when the world is invalid or too large, or its solids are too
+    /// dense; and when the robot does not fit at the world's start, or anywhere in a world without a start.
     pub fn of(world: &World, platform: &Platform) -> Result<Self, DifficultyError> {
         platform.validate()?;
         world.check()?;
@@ -178,7 +179,7 @@ impl DifficultyVector {
         })
     }
 
-    /// Every feature, in order.
+    /// Returns every feature, in order.
     pub fn features() -> Vec<Feature> {
         let groups = [
             Ground::FEATURES,
@@ -194,7 +195,7 @@ impl DifficultyVector {
         groups.concat()
     }
 
-    /// The values in the order of [`DifficultyVector::features`]; `None` where a feature does not exist.
+    /// Returns the values in the order of [`DifficultyVector::features`]; `None` where a feature does not exist.
     pub fn values(&self) -> Vec<Option<f64>> {
         let groups = [
             self.ground.values(),
@@ -210,7 +211,7 @@ impl DifficultyVector {
         groups.concat()
     }
 
-    /// The value of a feature; `None` where it does not exist in this world, and for an unknown name.
+    /// Returns the value of a feature; `None` if it does not exist in this world, and for an unknown name.
     ///
     /// ```
     /// use envgen::difficulty::{DifficultyVector, Platform};
@@ -234,7 +235,7 @@ fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     (a(), b())
 }
 
-/// Area in square metres of the cells that a robot's body covers somewhere, and that no solid does.
+/// Returns the area in square metres of the cells that a robot's body can cover and that no solid covers.
 fn ground_area(world: &World, space: &Space<'_>) -> Result<f64, DifficultyError> {
     let side = space.frame.cell_size;
     let solid = OccupancyGrid::of(world, side, Coverage::Centre)?;

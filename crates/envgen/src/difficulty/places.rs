@@ -1,4 +1,4 @@
-//! The graph of places: rooms and halls, and the passages between them.
+//! The graph of places: rooms and halls, with the passages between them.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -7,19 +7,19 @@ use super::feature::features;
 use super::space::{STEPS, Space};
 use crate::union_find::UnionFind;
 
-/// Two places are apart where the passage between them has less than this share of the clearance of both.
+/// The share of the clearance of both places below which the clearance of a passage separates them.
 const NARROW: f64 = 0.75;
 
-/// Least area of a place in square metres, of the part that is roomier than its passages.
+/// The least area in square metres of a place, counting only the part with more clearance than its passages.
 const LEAST_PLACE: f64 = 1.0;
 
-/// Least area in square metres of what the robot cannot reach for a path around it to be a loop: walls
-/// and blocks of rooms, not furniture.
+/// The least area in square metres of ground that the robot cannot reach, so that a path around it counts as a
+/// loop: walls and blocks of rooms count, but not furniture.
 const LEAST_ISLAND: f64 = 4.0;
 
 features! {
-    /// The graph of places. A place is ground around a maximum of the clearance; places are apart where the
-    /// passage between them has less than 0.75 of the clearance (up to 1.5 m) of both, and are connected by a
+    /// The graph of places. A place is the ground around a maximum of the clearance. Two places are separate if the
+    /// passage between them has less than 0.75 of the clearance (up to 1.5 m) of both. They are connected by one
     /// link for each passage.
     pub struct Places {
         /// Number of places, V.
@@ -73,22 +73,22 @@ impl Places {
 #[derive(Clone, Copy, Debug)]
 struct Link {
     places: [usize; 2],
-    /// From the centre of the one to that of the other through the passage, in metres.
+    /// Length from the centre of one place through the passage to the centre of the other, in metres.
     length: f64,
 }
 
 struct Graph {
     /// Number of places.
     places: usize,
-    /// The place of the start.
+    /// The place that contains the start.
     start: usize,
     links: Vec<Link>,
 }
 
 impl Graph {
-    /// Floods the clearance from its maxima down (S. Beucher and C. Lantuejoul, Use of watersheds in contour
-    /// detection, 1979, <https://people.cmm.minesparis.psl.eu/users/beucher/publi/watershed.pdf>); basins that meet
-    /// where the clearance has hardly fallen, or while they are small, become one.
+    /// Floods the clearance from its maxima downwards (S. Beucher and C. Lantuejoul, Use of watersheds in contour
+    /// detection, 1979, <https://people.cmm.minesparis.psl.eu/users/beucher/publi/watershed.pdf>). Basins are
+    /// merged if they meet where the clearance has hardly fallen, or while they are small.
     fn new(space: &Space<'_>, by_clearance: &[usize]) -> Self {
         let least = (LEAST_PLACE / space.cell_area()).ceil() as usize;
         let none = usize::MAX;
@@ -158,7 +158,7 @@ impl Graph {
     }
 }
 
-/// The place that is farthest from another, and how far.
+/// Returns the place that is farthest from another one, and its distance.
 fn farthest(beside: &[Vec<(usize, f64)>], from: usize) -> (usize, f64) {
     let mut distance = vec![f64::INFINITY; beside.len()];
     distance[from] = 0.0;
@@ -183,7 +183,7 @@ fn farthest(beside: &[Vec<(usize, f64)>], from: usize) -> (usize, f64) {
     last
 }
 
-/// The links: the borders between two places, each connected one by itself.
+/// Returns the links: the borders between two places, one link for each connected border.
 fn links(space: &Space<'_>, place_of: &[usize], centers: &[usize]) -> Vec<Link> {
     // The cells of each border, on the side of the place of lower number.
     let mut borders: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
@@ -225,7 +225,7 @@ fn links(space: &Space<'_>, place_of: &[usize], centers: &[usize]) -> Vec<Link> 
     links
 }
 
-/// The lengths in metres of the loops around what the robot cannot reach.
+/// Returns the lengths in metres of the loops around what the robot cannot reach.
 fn loops(space: &Space<'_>) -> Vec<f64> {
     let frame = space.frame;
     let mut island_of = vec![0_u32; frame.len()];
@@ -259,8 +259,9 @@ fn loops(space: &Space<'_>) -> Vec<f64> {
     loops
 }
 
-/// Length of the outline of an island in metres, from how often lines in four directions cross it: Crofton's
-/// formula, as in C. Lang, J. Ohser and R. Hilfer, On the analysis of spatial binary images, 2001.
+/// Returns the length of the outline of an island in metres, from the number of times that lines in four directions
+/// cross it, by Crofton's formula as in C. Lang, J. Ohser and R. Hilfer, On the analysis of spatial binary
+/// images, 2001.
 fn perimeter(space: &Space<'_>, island_of: &[u32], cells: &[usize]) -> f64 {
     let mut crossings = [0_u64; 2];
     for &cell in cells {

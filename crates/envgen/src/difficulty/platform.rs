@@ -7,8 +7,8 @@ use crate::raycast::ScanPattern;
 use crate::settings;
 
 settings! {
-    /// What features depend on of a robot, its laser and its wheels. The default is what mapping trials
-    /// use: a Pioneer 3-AT with a SICK LMS 200 in millimetre mode and the odometry of a skid-steered
+    /// The properties of a robot, its laser and its wheels on which features depend. The defaults are those of
+    /// mapping trials: a Pioneer 3-AT with a SICK LMS 200 in millimetre mode and the odometry of a skid-steered
     /// robot.
     ///
     /// ```
@@ -43,20 +43,19 @@ settings! {
     }
 }
 
-/// How much wider than its circumscribed radius a robot counts where it plans, in metres, as in mapping
-/// trials.
+/// The margin in metres that is added to a robot's circumscribed radius for planning, as in mapping trials.
 pub(super) const MARGIN: f64 = 0.005;
 
 impl Platform {
     /// Checks every number.
     ///
     /// # Errors
-    /// Names the first field that is not allowed, as `platform.beams`.
+    /// Names the first field that is not allowed, such as `platform.beams`.
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check().map_err(|error| error.within("platform"))
     }
 
-    /// Sets a number from text, as `--platform name=value` of the command does. The numbers together are
+    /// Sets a number from text, as `--platform name=value` does on the command line. The numbers together are
     /// checked by [`Platform::validate`].
     ///
     /// ```
@@ -71,8 +70,7 @@ impl Platform {
     /// ```
     ///
     /// # Errors
-    /// When there is no such number (the error lists those that there are), or the text is not one of its
-    /// values.
+    /// When the number does not exist (the error lists those that do), or when the text is not one of its values.
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SpecError> {
         let Some(setting) = Self::SETTINGS.iter().find(|setting| setting.name == name) else {
             let known: Vec<_> = Self::SETTINGS.iter().map(|setting| setting.name).collect();
@@ -96,18 +94,18 @@ impl Platform {
         Ok(())
     }
 
-    /// The distance that the robot's centre keeps from solids, in metres.
+    /// Returns the distance that the robot's centre keeps from solids, in metres.
     pub(crate) fn footprint(&self) -> f64 {
         self.circumscribed_radius + MARGIN
     }
 
-    /// The beams' directions.
+    /// Returns the directions of the beams.
     pub(super) fn pattern(&self) -> Result<ScanPattern, SpecError> {
         ScanPattern::new(self.field_of_view, self.beams as usize)
             .map_err(|error| error.within("platform"))
     }
 
-    /// Angle between neighbouring beams in radians.
+    /// Returns the angle between neighbouring beams in radians.
     pub(super) fn beam_step(&self) -> f64 {
         self.field_of_view / f64::from(self.beams - 1)
     }

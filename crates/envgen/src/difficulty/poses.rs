@@ -1,4 +1,4 @@
-//! Poses spread over the ground that a robot reaches, and what its laser sees from them.
+//! Poses spread over the ground that a robot reaches, and the views of its laser from them.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -14,9 +14,9 @@ use crate::raycast::{Raycaster, ScanPattern};
 /// Number of poses.
 pub const POSES: usize = 160;
 
-/// Poses over the cells that a robot reaches: every n-th cell along a Z-order curve (G. M. Morton, 1966),
-/// which visits squares one after the other, so that every part of the ground has its share. Headings are
-/// quarter turns one after the other.
+/// Returns poses over the cells that a robot reaches: every n-th cell along a Z-order curve (G. M. Morton, 1966),
+/// which visits squares one after the other, so that every part of the ground has its share. Headings cycle through
+/// quarter turns.
 pub(super) fn poses(space: &Space<'_>) -> Vec<Pose> {
     let mut cells: Vec<(u64, usize)> = space
         .cells()
@@ -33,20 +33,20 @@ pub(super) fn poses(space: &Space<'_>) -> Vec<Pose> {
     (0..POSES).filter(|_| !cells.is_empty()).map(pose).collect()
 }
 
-/// A number with a zero bit between its bits.
+/// Returns a number with a zero bit inserted between its bits.
 fn spread(number: usize) -> u64 {
     (0..32).fold(0, |bits, i| bits | (number as u64 >> i & 1) << (2 * i))
 }
 
-/// What a beam says.
+/// The result of a beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Beam {
-    /// There is a solid at a range in metres.
+    /// There is a solid at this range in metres.
     Echo(f64),
     /// There is nothing up to the greatest range.
     Free,
-    /// Nothing, since it ends at a part that is too dark to be seen from there: as in trials, it is neither
-    /// an echo, nor does it say that its path is free.
+    /// Nothing is known, because the beam ends at a part that is too dark to be seen from that distance. As in
+    /// trials, it is not an echo, and it does not mean that its path is free.
     Lost,
 }
 
@@ -68,8 +68,8 @@ impl<'a> Laser<'a> {
         })
     }
 
-    /// Scans from a pose of the robot; calls `visit` with the laser's position, the direction of each beam
-    /// and what it says.
+    /// Scans from a pose of the robot. Calls `visit` with the laser's position, and the direction and the result of
+    /// each beam.
     pub(super) fn scan(
         &self,
         pose: Pose,
@@ -95,12 +95,12 @@ impl<'a> Laser<'a> {
     }
 }
 
-/// What the laser sees from a pose.
+/// The view of the laser from a pose.
 #[derive(Clone, Debug)]
 pub(super) struct View {
     pub(super) position: DVec2,
     pub(super) information: ScanInformation,
-    /// Ranges in metres: the greatest range where there is no echo, NaN for lost beams.
+    /// Ranges in metres: the greatest range for beams without an echo, NaN for lost beams.
     pub(super) ranges: Vec<f64>,
     /// Number of beams with an echo, and the sum of their ranges in metres.
     pub(super) echoes: usize,

@@ -2,10 +2,10 @@
 
 use super::space::Space;
 
-/// Costs of a move to the side and across a corner: their ratio, 1.4, is within 1 % of the root of two.
+/// Costs of a move to the side and of a diagonal move. Their ratio, 1.4, is within 1 % of the root of two.
 const COSTS: [u32; 2] = [5, 7];
 
-/// The most cells that all searches of a tour visit together: about a second.
+/// The greatest total number of cells that the searches of a tour visit, which takes about a second.
 pub const MAX_VISITS: usize = 1 << 25;
 
 /// Buckets of cells by cost (R. B. Dial, Algorithm 360: shortest-path forest with topological ordering,
@@ -14,11 +14,11 @@ pub(super) struct Search {
     cells: Vec<Reached>,
     buckets: [Vec<u32>; 8],
     searches: u32,
-    /// Visits that are left.
+    /// Number of visits that are left.
     visits: usize,
 }
 
-/// What a search knows of a cell.
+/// The state of a cell in a search.
 #[derive(Clone, Copy, Debug, Default)]
 struct Reached {
     cost: u32,
@@ -38,8 +38,8 @@ impl Search {
         }
     }
 
-    /// The cells of the shortest path from a cell to the nearest goal, both included. `None` when there is
-    /// no goal, and when [`MAX_VISITS`] are spent.
+    /// Returns the cells of the shortest path from a cell to the nearest goal, both included. Returns `None` if
+    /// there are no goals, and when [`MAX_VISITS`] are used up.
     pub(super) fn nearest(
         &mut self,
         space: &Space<'_>,

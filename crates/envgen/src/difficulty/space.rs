@@ -1,4 +1,4 @@
-//! Where a robot's centre can be, on a grid.
+//! The space of a robot's centre, on a grid.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -13,33 +13,33 @@ use crate::grid::GridFrame;
 use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::World;
 
-/// Side of a cell in metres, where the world is not too large for it.
+/// Side of a cell in metres, unless the world is too large for it.
 pub const CELL: f64 = 0.2;
 
-/// Clearances are measured up to this distance in metres; greater ones count as this.
+/// The greatest clearance that is measured, in metres. Greater clearances count as this.
 pub(super) const SIGHT_OF_SOLIDS: f64 = 1.5;
 
-/// Cells of the indices of solids per solid, and in how many of them a solid may be listed: many queries are
-/// worth fine cells.
+/// Number of cells per solid of the indices of solids, and number of cells in which a solid may be listed. There
+/// are so many queries that fine cells are worthwhile.
 const INDEX: (f64, usize) = (10.0, 200);
 
-/// Many solids are listed in fewer cells each, so that the lists of an index take about 64 MiB, but in no
-/// fewer than these.
+/// If there are many solids, each is listed in fewer cells, so that the lists of an index take about 64 MiB, but in
+/// no fewer cells than the second number.
 const LISTINGS: (usize, usize) = (1 << 24, 24);
 
-/// A point of a cell is looked for where the cell's centre is too near to a solid: at the best of nine
-/// points, then of nine around it, and once more. Three rounds end within a hundredth of a cell.
+/// Number of rounds in which a point of a cell is searched whose centre is too near to a solid: the best of nine
+/// points, then of nine points around it, and once more. Three rounds end within a hundredth of a cell.
 const ROUNDS: usize = 3;
 
 /// The eight neighbours of a cell, counter-clockwise from the right.
 pub(super) const STEPS: [(isize, isize); 8] =
     [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
 
-/// The free cells of a grid over a world, those that the robot reaches, and the moves between them.
+/// The free cells of a grid over a world, the cells that the robot reaches, and the moves between them.
 ///
-/// A cell is free when it has a point where the robot's centre can be: its centre, or where that is too
-/// near to a solid the point of greatest clearance in it. A robot moves from cell to cell in a straight
-/// line between those points, so that passages narrower than a cell are found.
+/// A cell is free if it contains a point at which the robot's centre can be. This is the cell's centre or, if that
+/// is too near to a solid, the point of greatest clearance in the cell. A robot moves from cell to cell in a
+/// straight line between these points, so that passages narrower than a cell are found.
 pub(super) struct Space<'a> {
     pub(super) frame: GridFrame,
     /// The distance that the robot's centre keeps from solids, in metres.
@@ -48,13 +48,13 @@ pub(super) struct Space<'a> {
     pub(super) points: Vec<DVec2>,
     /// Clearance of each point in metres, at most [`SIGHT_OF_SOLIDS`]; 0 for cells that are not free.
     pub(super) clearance: Vec<f64>,
-    /// For each cell the moves that are possible, bit i to neighbour i of [`STEPS`].
+    /// For each cell the possible moves, with bit i for the move to neighbour i of [`STEPS`].
     moves: Vec<u8>,
-    /// From the index of a cell to that of each neighbour.
+    /// Offsets from the index of a cell to those of its neighbours.
     offsets: [isize; 8],
     /// Whether the robot reaches a cell.
     pub(super) reached: Vec<bool>,
-    /// The cell where the robot starts.
+    /// The cell in which the robot starts.
     pub(super) start: usize,
     /// Number of cells that the robot reaches.
     pub(super) count: usize,
@@ -62,7 +62,7 @@ pub(super) struct Space<'a> {
 }
 
 impl<'a> Space<'a> {
-    /// The cells that a robot reaches from the world's start; without one those of the largest connected
+    /// Finds the cells that a robot reaches from the world's start; without a start, those of the largest connected
     /// region, from its cell of greatest clearance.
     pub(super) fn new(world: &'a World, footprint: f64) -> Result<Self, DifficultyError> {
         let frame = frame(world)?;
@@ -113,7 +113,7 @@ impl<'a> Space<'a> {
         Ok(space)
     }
 
-    /// The cells to which a robot can move from a cell in one step.
+    /// Returns the moves of a robot from a cell: the number of the neighbour in [`STEPS`], and the cell there.
     pub(super) fn neighbours(&self, cell: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let mut moves = self.moves[cell];
         std::iter::from_fn(move || {
@@ -124,17 +124,17 @@ impl<'a> Space<'a> {
         })
     }
 
-    /// The cells that a robot reaches, in order.
+    /// Returns the cells that a robot reaches, in order.
     pub(super) fn cells(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.reached.len()).filter(|&cell| self.reached[cell])
     }
 
-    /// Area of a cell in square metres.
+    /// Returns the area of a cell in square metres.
     pub(super) fn cell_area(&self) -> f64 {
         self.frame.cell_size * self.frame.cell_size
     }
 
-    /// The free cell around a point or beside it whose point is nearest.
+    /// Returns the free cell around a point, or beside it, whose own point is nearest.
     fn cell_near(&self, p: DVec2) -> Option<usize> {
         let cell = self.frame.index_at(p).or_else(|| {
             // The upper right borders of the bounds belong to no cell.
@@ -151,22 +151,22 @@ impl<'a> Space<'a> {
         self.finder.clearance(p) + MARGIN >= self.footprint && self.finder.is_ground(p)
     }
 
-    /// The cell that a robot reaches from which it comes to a point; `None` where it does not fit.
+    /// Returns the reached cell from which a robot can move to a point; `None` if it does not fit there.
     pub(super) fn cell_to(&self, p: DVec2) -> Option<usize> {
         self.reached_near(p).filter(|_| self.fits(p))
     }
 
-    /// The cell that a robot reaches around a point or beside it.
+    /// Returns the reached cell around a point, or beside it.
     pub(super) fn reached_near(&self, p: DVec2) -> Option<usize> {
         self.cell_near(p).filter(|&cell| self.reached[cell])
     }
 
-    /// Distance from a point to the nearest solid in metres, at most [`SIGHT_OF_SOLIDS`].
+    /// Returns the distance from a point to the nearest solid in metres, at most [`SIGHT_OF_SOLIDS`].
     pub(super) fn clearance_at(&self, p: DVec2) -> f64 {
         self.finder.clearance(p).min(SIGHT_OF_SOLIDS)
     }
 
-    /// The least clearance in metres on the move from a cell to a neighbour, at nine points.
+    /// Returns the least clearance in metres on the move from a cell to a neighbour, measured at nine points.
     pub(super) fn least_clearance(&self, from: usize, to: usize) -> f64 {
         let (a, b) = (self.points[from], self.points[to]);
         let points = (0..=8).map(|part| a + (b - a) * (f64::from(part) / 8.0));
@@ -179,14 +179,14 @@ impl<'a> Space<'a> {
         self.finder.is_clear(a, room(a), b, room(b))
     }
 
-    /// The cells that a robot reaches, by falling clearance; of equal ones the first is taken first.
+    /// Returns the cells that a robot reaches, sorted by falling clearance. Of equal ones, the first comes first.
     pub(super) fn by_clearance(&self) -> Vec<usize> {
         let mut cells: Vec<usize> = self.cells().collect();
         cells.sort_by(|&a, &b| self.clearance[b].total_cmp(&self.clearance[a]));
         cells
     }
 
-    /// An error once [`MAX_READS`] are spent: clearances are wrong from then on.
+    /// Returns an error if [`MAX_READS`] are used up, because clearances are wrong from then on.
     pub(super) fn check_reads(&self) -> Result<(), DifficultyError> {
         self.finder.check_reads()
     }
@@ -236,7 +236,8 @@ impl<'a> Space<'a> {
     }
 }
 
-/// Cells over the world's bounds: of [`CELL`], or larger ones up to [`MAX_CELL`], at most [`MAX_CELLS`].
+/// Returns a frame of cells over the world's bounds: of [`CELL`], or larger ones up to [`MAX_CELL`], but at most
+/// [`MAX_CELLS`] of them.
 fn frame(world: &World) -> Result<GridFrame, DifficultyError> {
     let size = world.bounds.size();
     let cells = |side: f64| (size / side - 1e-9).ceil().max(DVec2::ONE);
@@ -254,17 +255,17 @@ fn frame(world: &World) -> Result<GridFrame, DifficultyError> {
     Ok(GridFrame { origin: world.bounds.min, cell_size: side, cols, rows })
 }
 
-/// Finds points where a robot's centre can be.
+/// Finds points at which a robot's centre can be.
 struct Finder<'a> {
     world: &'a World,
     footprint: f64,
-    /// For clearances up to [`SIGHT_OF_SOLIDS`].
+    /// An index for clearances up to [`SIGHT_OF_SOLIDS`].
     far: ClearanceIndex,
-    /// For the many queries of points near to solids.
+    /// An index for the many queries of points near solids.
     near: ClearanceIndex,
-    /// Where there is ground that the robot cannot drive on.
+    /// An index of the ground on which the robot cannot drive, if there is any.
     grounds: Option<SurfaceIndex>,
-    /// Distances to solids that were taken, of [`MAX_READS`].
+    /// Number of distances to solids that were computed, of [`MAX_READS`].
     reads: AtomicUsize,
 }
 
@@ -290,8 +291,8 @@ impl<'a> Finder<'a> {
         })
     }
 
-    /// The point of the cell around `center`, and its clearance, 0 where the robot cannot be. `most` is set
-    /// to the clearance of the centre, to [`SIGHT_OF_SOLIDS`] at most.
+    /// Returns the point of the cell around `center`, and its clearance, which is 0 if the robot cannot be there.
+    /// Sets `most` to the clearance of the centre, up to [`SIGHT_OF_SOLIDS`].
     fn best_point(&self, center: DVec2, side: f64, most: &mut f64) -> (DVec2, f64) {
         let reach = self.far.reach();
         let Room { clearance: room, mut nearest, .. } = self.room(center);
@@ -331,24 +332,24 @@ impl<'a> Finder<'a> {
         (best, if best_room >= self.footprint { best_room } else { 0.0 })
     }
 
-    /// The room around a point, at most the reach of `far`.
+    /// Returns the clearance at a point, at most the reach of `far`, and the nearest solid.
     fn room(&self, p: DVec2) -> Room {
         let near = self.read(&self.near, p);
         let room = if near.nearest.is_some() { near } else { self.read(&self.far, p) };
         Room { clearance: room.clearance.min(self.far.reach()), ..room }
     }
 
-    /// Distance to the nearest solid in metres, at most the reach of `far`.
+    /// Returns the distance to the nearest solid in metres, at most the reach of `far`.
     fn clearance(&self, p: DVec2) -> f64 {
         self.room(p).clearance
     }
 
-    /// Distance to the nearest solid in metres, at most the reach of `near`.
+    /// Returns the distance to the nearest solid in metres, at most the reach of `near`.
     fn near_clearance(&self, p: DVec2) -> f64 {
         self.read(&self.near, p).clearance.min(self.near.reach())
     }
 
-    /// The room in an index; none, which ends every search, once [`MAX_READS`] are spent.
+    /// Queries an index. Once [`MAX_READS`] are used up, the clearance is 0, which ends every search.
     fn read(&self, index: &ClearanceIndex, p: DVec2) -> Room {
         if self.reads.load(Ordering::Relaxed) > MAX_READS {
             return Room { clearance: 0.0, nearest: None, cost: 0 };
@@ -358,7 +359,7 @@ impl<'a> Finder<'a> {
         room
     }
 
-    /// Distance to a solid that was the nearest of a point nearby, in metres.
+    /// Returns the distance in metres to a solid that was the nearest one of a point nearby.
     fn distance(&self, p: DVec2, shape: u32) -> f64 {
         let (distance, cost) = self.near.distance(p, shape);
         self.reads.fetch_add(cost, Ordering::Relaxed);
@@ -370,7 +371,7 @@ impl<'a> Finder<'a> {
         if reads > MAX_READS { Err(DifficultyError::TooDense) } else { Ok(()) }
     }
 
-    /// Whether a robot can drive at a point.
+    /// Whether a robot can drive on the ground at a point.
     fn is_ground(&self, p: DVec2) -> bool {
         let is_good = |grounds: &SurfaceIndex| !grounds.at(p).is_barrier();
         self.world.bounds.contains(p) && self.grounds.as_ref().is_none_or(is_good)
@@ -389,8 +390,8 @@ impl<'a> Finder<'a> {
         !meets
     }
 
-    /// Whether a robot stays off solids between two points of known clearance. Between points half a footprint apart it
-    /// comes nearer to a convex solid by no more than 1/32 of its footprint.
+    /// Whether a robot does not touch solids between two points of known clearance. Between points half a footprint
+    /// apart, it comes nearer to a convex solid by at most 1/32 of its footprint.
     fn is_off_solids(&self, a: DVec2, room_a: f64, b: DVec2, room_b: f64) -> bool {
         let length = a.distance(b);
         if room_a + room_b - length >= 2.0 * self.footprint || length <= 0.5 * self.footprint {
@@ -404,14 +405,14 @@ impl<'a> Finder<'a> {
     }
 }
 
-/// Whether there is ground that no robot can drive on.
+/// Whether there is ground on which no robot can drive.
 fn has_bad_ground(world: &World) -> bool {
     let raster = world.raster.as_ref();
     raster.is_some_and(|raster| raster.speeds.iter().any(|&speed| speed <= 0.0))
         || world.surfaces.iter().map(Ground::from).any(Ground::is_barrier)
 }
 
-/// The moves of each cell to its neighbours.
+/// Returns the possible moves of each cell to its neighbours.
 fn moves(frame: GridFrame, points: &[DVec2], clearance: &[f64], finder: &Finder<'_>) -> Vec<u8> {
     let mut moves = vec![0_u8; frame.len()];
     for cell in (0..frame.len()).filter(|&cell| clearance[cell] > 0.0) {

@@ -1,12 +1,12 @@
 //! Means and quantiles.
 
-/// The mean, 0 of nothing.
+/// Returns the mean; 0 without values.
 pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// A quantile of sorted values, between which it interpolates linearly (type 7 of R. J. Hyndman and Y. Fan,
-/// Sample quantiles in statistical packages, 1996, <https://doi.org/10.1080/00031305.1996.10473566>); 0 of nothing.
+/// Returns a quantile of sorted values, interpolated linearly (type 7 of R. J. Hyndman and Y. Fan, Sample quantiles
+/// in statistical packages, 1996, <https://doi.org/10.1080/00031305.1996.10473566>); 0 without values.
 pub(super) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return 0.0 };
     let at = share * last as f64;

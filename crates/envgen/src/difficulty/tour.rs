@@ -1,4 +1,4 @@
-//! The tour of an errorless robot that always goes to the nearest place that it has not seen.
+//! The tour of a robot without errors that always goes to the nearest unseen place.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,30 +14,30 @@ use super::space::Space;
 use crate::geometry::{Pose, wrap_angle};
 use crate::grid::GridFrame;
 
-/// Distance between scans on the move, in metres.
+/// Distance in metres between scans while the robot drives.
 const SCAN_STEP: f64 = 1.0;
 
-/// Turning between scans while the robot looks around, in radians.
+/// Turning in radians between scans while the robot looks around.
 const TURN_STEP: f64 = 0.25 * PI;
 
-/// Longest straight piece of a path in metres: how far ahead the robot takes a short cut.
+/// The longest straight piece of a path in metres, which limits how far ahead the robot takes short cuts.
 const LOOKAHEAD: f64 = 3.0;
 
-/// The most scans of a tour.
+/// The greatest number of scans of a tour.
 pub const MAX_SCANS: usize = 20_000;
 
-/// A goal after which the robot turns by more than this, in radians, and drives back over ground that it
-/// has driven on for at least so many metres, is a dead end.
+/// The definition of a dead end: a goal after which the robot turns by more than the first number, in radians, and
+/// drives back over ground on which it has driven for at least the second number of metres.
 const DEAD_END: (f64, f64) = (0.75 * PI, 1.0);
 
-/// Length in metres at which the share that has been seen is read off.
+/// The length in metres at which the share of seen ground is recorded.
 const SHORT_TOUR: f64 = 350.0;
 
 features! {
-    /// The tour of a robot without errors that goes to the nearest unseen place until it has seen all
-    /// ground that it can reach (the strategy of B. Yamauchi, A frontier-based approach for autonomous
-    /// exploration, CIRA 1997, doi:10.1109/CIRA.1997.613851). It begins with a look all around, drives
-    /// straight pieces and turns on the spot. None where the tour ends before, at its limits.
+    /// Features of the tour of a robot without errors that goes to the nearest unseen place until it has seen all
+    /// ground that it can reach (the strategy of B. Yamauchi, A frontier-based approach for autonomous exploration,
+    /// CIRA 1997, doi:10.1109/CIRA.1997.613851). The tour begins with a look all around; the robot drives straight
+    /// pieces and turns on the spot. `None` if the tour ends before, at its limits.
     pub struct TourFeatures {
         /// Length when 80 % have been seen.
         tour_length_80_m: Option<f64>, "m";
@@ -75,22 +75,22 @@ features! {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
     pub(super) position: DVec2,
-    /// What it has driven since the stop before.
+    /// The motion since the previous stop.
     pub(super) leg: Leg,
     pub(super) information: ScanInformation,
-    /// Cells seen so far.
+    /// Number of cells seen so far.
     pub(super) seen: usize,
 }
 
-/// A tour with its scans.
+/// A tour, with its scans.
 pub(super) struct Tour {
     pub(super) stops: Vec<Stop>,
-    /// Points along the tour, at most a cell apart, each with the distance from the point before in metres.
+    /// Points along the tour, at most a cell apart, each with its distance from the previous point in metres.
     pub(super) points: Vec<(DVec2, f64)>,
     goals: u64,
-    /// How far the robot drives back from each dead end, in metres.
+    /// The distance in metres that the robot drives back from each dead end.
     depths: Vec<f64>,
-    /// Number of cells to be seen.
+    /// Number of cells that should be seen.
     count: usize,
 }
 
@@ -177,21 +177,21 @@ struct Explorer<'a> {
     laser: &'a Laser<'a>,
     floor: &'a Floor,
     pose: Pose,
-    /// The free cell nearest to it.
+    /// The free cell that is nearest to the robot.
     cell: usize,
-    /// Cells that it reaches and has not seen.
+    /// Cells that the robot reaches and has not seen.
     unseen: Vec<bool>,
-    /// Number of cells that it reaches and has seen.
+    /// Number of cells that the robot reaches and has seen.
     seen_cells: usize,
-    /// Cells on or beside its trajectory.
+    /// Cells on or beside the robot's trajectory.
     driven: Vec<bool>,
-    /// What it has driven since the last scan.
+    /// The motion since the last scan.
     pending: Leg,
     tour: Tour,
 }
 
 impl Explorer<'_> {
-    /// Looks all around: with less than a full field of view it turns around once.
+    /// Looks all around. If the field of view is less than a full turn, the robot turns around once.
     fn look_around(&mut self, field_of_view: f64) {
         let turn = if field_of_view < TAU { TAU } else { 0.0 };
         let parts = (turn / field_of_view.min(TURN_STEP)).ceil();
@@ -238,7 +238,7 @@ impl Explorer<'_> {
         }
     }
 
-    /// The farthest point of a path, from the one of number `next` on, that a straight line leads to.
+    /// Returns the farthest point of a path, from point `next` on, to which a straight line leads.
     fn short_cut(&self, path: &[usize], next: usize) -> (DVec2, usize) {
         let from = self.pose.position;
         let point = |index: usize| self.space.points[path[index]];
@@ -254,7 +254,7 @@ impl Explorer<'_> {
         (point(best), best)
     }
 
-    /// Length of the beginning of a path that lies on ground that the robot has driven on, in metres.
+    /// Returns the length in metres of the beginning of a path that lies on ground on which the robot has driven.
     fn stretch_driven(&self, path: &[usize]) -> f64 {
         let driven = path.iter().take_while(|&&cell| self.driven[cell]).count();
         let points = path[..driven].windows(2);
@@ -286,7 +286,7 @@ impl Explorer<'_> {
         self.see(self.cell);
     }
 
-    /// Marks the cell of a point as seen, and those around it as driven on.
+    /// Marks the cell of a point as seen, and the cells around it as driven on.
     fn mark(&mut self, p: DVec2) {
         let frame = self.space.frame;
         let Some((col, row)) = frame.cell_at(p) else { return };
@@ -326,8 +326,8 @@ impl Explorer<'_> {
     }
 }
 
-/// The cells that a beam sees: those in which one of its points lies, from the laser on a point for each
-/// side of a cell. Counted in whole 2^-20 of a cell, which is fast.
+/// Returns the cells that a beam sees: those that contain one of its points, which are one cell side apart,
+/// beginning at the laser. Positions are whole multiples of 2^-20 of a cell, which is fast.
 fn cells_along(
     frame: GridFrame,
     from: DVec2,

@@ -1,18 +1,18 @@
-//! How much a robot sees, and how alike its scans are.
+//! Features of visibility: how much a robot sees, and how similar its scans are.
 
 use super::feature::features;
 use super::platform::Platform;
 use super::poses::View;
 use super::statistics::{mean, quantile};
 
-/// Two poses farther apart than this are different places, in metres.
+/// The distance in metres beyond which two poses are different places.
 const APART: f64 = 5.0;
 
-/// Scans whose ranges differ by less than this are alike, in metres (root mean square).
+/// The difference of ranges below which scans are similar, in metres (root mean square).
 const ALIKE: f64 = 0.2;
 
 features! {
-    /// What the laser sees from the poses.
+    /// Features of what the laser sees from the poses.
     pub struct Visibility {
         /// Mean area that a scan sees.
         visible_area_mean_m2: f64, "m^2";
@@ -58,8 +58,8 @@ impl Visibility {
     }
 }
 
-/// Area in square metres under the ranges of beams `step` radians apart: a sector per beam, half of one for
-/// the first and the last, and nothing for a lost one.
+/// Returns the area in square metres under the ranges of beams `step` radians apart: a sector for each beam, half a
+/// sector for the first and the last beam, and nothing for a lost beam.
 fn swept_area(ranges: &[f64], step: f64) -> f64 {
     let square = |range: &f64| if range.is_nan() { 0.0 } else { range * range };
     let end = |range: Option<&f64>| range.map_or(0.0, square);

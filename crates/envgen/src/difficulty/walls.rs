@@ -1,4 +1,4 @@
-//! The walls that a robot sees, and what they are made of.
+//! Features of walls: how much wall a robot sees, and how it is structured.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,32 +13,32 @@ use crate::world::World;
 /// Distance between points of an outline in metres.
 const SPACING: f64 = 0.2;
 
-/// The most points of outlines; those of larger worlds are farther apart.
+/// The greatest number of points of outlines. In larger worlds, points are farther apart.
 const MAX_POINTS: f64 = 200_000.0;
 
-/// Distance in metres from an outline at which a point looks for reachable ground.
+/// Distance in metres from an outline at which a point of it looks for reachable ground.
 const LIFT: f64 = 0.01;
 
-/// Tangents of the angles to the normal at which it looks.
+/// Tangents of the angles to the normal in which a point looks.
 const LOOKS: [f64; 5] = [0.0, -0.6, 0.6, -1.7, 1.7];
 
-/// How far it looks, in metres.
+/// The greatest distance in metres at which a point looks for reachable ground.
 const SIGHT: f64 = 8.0;
 
-/// Outlines are on one line when their directions differ by less than this, in radians, and their
-/// distances from the origin by less than this, in metres.
+/// The greatest differences between outlines on one line: of their directions in radians, and of their distances
+/// from the origin in metres.
 const COLLINEAR: (f64, f64) = (1e-3, 0.01);
 
-/// A straight wall without anything in it, at least this long, is plain, in metres.
+/// The least length in metres of a plain wall, which is a straight wall without anything in it.
 const PLAIN: f64 = 2.0;
 
-/// A piece of wall under this length is short, in metres.
+/// The length in metres below which a piece of wall is short.
 const SHORT: f64 = 1.0;
 
 features! {
-    /// Walls, that is outlines of solids, seen from the ground that the robot reaches. A run is a straight
-    /// piece without an opening, an obstacle before it or a corner; walls of several parts in one line are
-    /// one run.
+    /// Features of walls, which are outlines of solids as seen from the ground that the robot reaches. A run is a
+    /// straight piece without an opening, a corner, or an obstacle before it. Walls of several parts on one line
+    /// are one run.
     pub struct Walls {
         /// Length of the walls that are seen.
         wall_length_m: f64, "m";
@@ -86,9 +86,9 @@ struct Run {
     is_straight: bool,
 }
 
-/// A piece of an outline that is seen, on the line of its direction.
+/// A visible piece of an outline, on the line of its direction.
 struct Seen {
-    /// Direction of the outline in radians, with what is seen on its right.
+    /// Direction of the outline in radians, with the visible side to its right.
     angle: f64,
     /// Distance of its line from the origin in metres.
     offset: f64,
@@ -144,13 +144,13 @@ fn runs(world: &World, space: &Space<'_>, rays: &Raycaster) -> Vec<Run> {
     runs
 }
 
-/// Direction of a line in radians, so that directions which are equal up to rounding are near each other.
+/// Returns the direction of a line in radians, such that directions that are equal up to rounding are near each other.
 fn direction_of(along: DVec2) -> f64 {
     let angle = libm::atan2(along.y, along.x);
     if angle < COLLINEAR.0 - PI { angle + TAU } else { angle }
 }
 
-/// Distance between points in metres, so that there are not too many.
+/// Returns the distance between points in metres, large enough that there are not too many points.
 fn spacing(world: &World) -> f64 {
     let around: f64 = world
         .solids()
@@ -163,7 +163,7 @@ fn spacing(world: &World) -> f64 {
     SPACING.max(around / MAX_POINTS)
 }
 
-/// Joins pieces that follow each other on a line to runs.
+/// Joins consecutive pieces on a line to runs.
 fn join(mut seen: Vec<Seen>, spacing: f64, runs: &mut Vec<Run>) {
     seen.sort_by(|a, b| a.angle.total_cmp(&b.angle));
     for parallel in seen.chunk_by_mut(grouped(|piece: &Seen| piece.angle, COLLINEAR.0)) {
@@ -189,7 +189,7 @@ fn join(mut seen: Vec<Seen>, spacing: f64, runs: &mut Vec<Run>) {
     }
 }
 
-/// Whether sorted neighbours are in one group: those that differ from the group's first by less than some
+/// Returns a predicate that groups sorted values: those that differ from the first of their group by less than a
 /// tolerance.
 fn grouped<T>(value: impl Fn(&T) -> f64, tolerance: f64) -> impl FnMut(&T, &T) -> bool {
     let mut first = None;
@@ -208,8 +208,8 @@ struct Sight<'a> {
 }
 
 impl Sight<'_> {
-    /// Whether ground that the robot's centre reaches can be seen from a point of an outline, on the side of
-    /// its normal.
+    /// Whether ground that the robot's centre reaches is visible from a point of an outline, on the side of its
+    /// normal.
     fn has(&self, point: DVec2, normal: DVec2) -> bool {
         let frame = self.space.frame;
         let eye = point + normal * LIFT;
