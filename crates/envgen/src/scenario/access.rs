@@ -1,4 +1,4 @@
-//! What can be reached while doors are open or closed.
+//! Reachability while doors are open or closed.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,31 +16,31 @@ use crate::grid::GridFrame;
 use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::{Wall, WallKind, World};
 
-/// Side of a cell in metres, where the disc is not too small for it.
+/// Side of a cell in metres, unless the disc is too small for it.
 const CELL: f64 = 0.1;
 
-/// The most cells.
+/// The greatest number of cells.
 const MAX_CELLS: f64 = (1 << 24) as f64;
 
-/// A disc of a radius out of these limits is refused, in metres.
+/// The least and the greatest allowed radius of a disc in metres.
 const RADII: [f64; 2] = [0.01, 10.0];
 
-/// What cannot be reached from the start while a door is closed and all others are open.
+/// The places that cannot be reached from the start while a door is closed and all others are open.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BehindDoor {
     /// The index of the door in [`Scenario::doors`].
     pub door: usize,
-    /// The indices of the rooms in [`World::rooms`].
+    /// The indices of these rooms in [`World::rooms`].
     pub rooms: Vec<u32>,
-    /// The indices in [`World::surfaces`] of the floors of hallways and open areas, which have no names.
+    /// The indices in [`World::surfaces`] of the floors of these hallways and open areas, which have no names.
     pub hallways: Vec<u32>,
-    /// Whether the goal is there.
+    /// Whether the goal cannot be reached.
     pub goal: bool,
 }
 
 impl Scenario {
-    /// The world with the leaves of all doors where they are open, as walls: what is promised of a world can be
-    /// verified of it as well.
+    /// Returns the world with the leaves of all open doors as walls, so that the promises of the world can be
+    /// verified with them, too.
     ///
     /// # Errors
     /// When the scenario does not fit the world.
@@ -54,13 +54,13 @@ impl Scenario {
         Ok(world)
     }
 
-    /// The doors that are the only path of a disc to a room, a piece of a hallway or the goal, each with what is
-    /// behind it: what the disc reaches from the start with all doors open, and not with this one closed. Found on a
-    /// grid of cells of 0.1 m, or of the radius where that is less.
+    /// Returns the doors through which all paths of a disc to a room, a piece of a hallway or the goal lead, each
+    /// with the places behind it: those that the disc reaches from the start with all doors open, but not with this
+    /// door closed. They are found on a grid of cells of 0.1 m, or of the radius if that is less.
     ///
     /// # Errors
-    /// When the scenario does not fit the world, `radius` in metres is not from 0.01 to 10, or the world has more than
-    /// 16,777,216 such cells.
+    /// When the scenario does not fit the world, when `radius` in metres is not from 0.01 to 10, or when the world
+    /// has more than 16,777,216 such cells.
     pub fn behind_doors(&self, world: &World, radius: f64) -> Result<Vec<BehindDoor>, SpecError> {
         self.check(world)?;
         if !(RADII[0]..=RADII[1]).contains(&radius) {
@@ -103,14 +103,15 @@ impl Scenario {
     }
 }
 
-/// The pieces of ground in which places are.
+/// The places of a world, with the pieces of ground that they contain.
 struct Places {
-    /// The pieces of each place, in the order of places.
+    /// The pieces of each place, in the order of the places.
     pieces: Vec<(u32, Vec<usize>)>,
 }
 
 impl Places {
-    /// `place_of` holds the place of each cell, counted from 1; 0 for cells in none.
+    /// Creates the places from `place_of`, which contains the place of each cell, counted from 1; 0 for cells in no
+    /// place.
     fn new(graph: &DoorGraph, place_of: &[u32]) -> Self {
         let mut pieces: BTreeMap<u32, BTreeSet<usize>> = BTreeMap::new();
         for (cell, &place) in place_of.iter().enumerate().filter(|(_, place)| **place > 0) {
@@ -122,7 +123,7 @@ impl Places {
         Places { pieces: pieces.collect() }
     }
 
-    /// The places that were reached before and are not now.
+    /// Returns the places that were reached before and are not reached now.
     fn lost<'a>(&'a self, before: &'a [bool], now: &'a [bool]) -> impl Iterator<Item = u32> + 'a {
         let is_in = |pieces: &[usize], reached: &[bool]| pieces.iter().any(|&piece| reached[piece]);
         let lost = self
@@ -133,7 +134,7 @@ impl Places {
     }
 }
 
-/// The cells in whose middle a disc fits.
+/// The cells at whose centres a disc fits.
 struct FreeCells {
     frame: GridFrame,
     cells: Vec<bool>,
@@ -159,7 +160,7 @@ impl FreeCells {
         Ok(FreeCells { frame, cells: cells.collect() })
     }
 
-    /// The free cell at a point, or one of those around it.
+    /// Returns the free cell at a point, or one of those around it.
     fn near(&self, p: DVec2) -> Option<usize> {
         let here = self.frame.index_at(p)?;
         let around = (-1..=1).flat_map(|up| (-1..=1).map(move |right| (right, up)));
@@ -167,7 +168,7 @@ impl FreeCells {
         std::iter::once(here).chain(beside).find(|cell| self.cells[*cell])
     }
 
-    /// The cells that a door closes, across its doorway.
+    /// Returns the cells that a door closes, across its doorway.
     fn closed_by(&self, door: &DoorShape, radius: f64) -> impl Iterator<Item = usize> {
         let (frame, [a, b]) = (self.frame, door.ends);
         let around = Shape::Segment { a, b }.bounds().grown(radius);

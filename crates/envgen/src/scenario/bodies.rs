@@ -1,4 +1,4 @@
-//! People and doors in three dimensions.
+//! The bodies of people and doors in three dimensions.
 
 use std::borrow::Cow;
 
@@ -10,22 +10,22 @@ use crate::geometry::Shape;
 use crate::pieces::Form;
 use crate::world::{Crown, DOORWAY, Extent, World};
 
-/// Thickness of the leaf of a door in metres; where robots and rays meet it, it has none.
+/// Thickness in metres of the body of a door's leaf. For robots and rays, a leaf has no thickness.
 pub const LEAF_THICKNESS: f64 = 0.05;
 
 /// Gap above and below the leaf of a door in metres.
 const GAP: f64 = 0.005;
 
-/// What is left of a sliding leaf is not seen where it is shorter, in metres.
+/// The least visible length of the rest of a sliding leaf, in metres.
 const SHORTEST: f64 = 1e-3;
 
 /// Bottom and top of a person's head, and its radius, in metres.
 const HEAD: (f64, f64, f64) = (1.5, 1.75, 0.12);
 
 impl ScenarioState {
-    /// The bodies of what moves now, for meshes and cameras: the leaves of all doors, then the people, each in
-    /// the order of the scenario. A person is an upright cylinder of radius [`PERSON_RADIUS`] with a head on it,
-    /// 1.75 m high. `world` is that of the scenario.
+    /// Returns the bodies of everything that moves, in its current state, for meshes and cameras: the leaves of all
+    /// doors, then the people, each in the order of the scenario. A person is an upright cylinder of radius
+    /// [`PERSON_RADIUS`] with a head on it, 1.75 m high. `world` must be the world of the scenario.
     pub fn bodies(&self, world: &World) -> Vec<(Target, Form<'static>)> {
         let mut all = Vec::new();
         for (i, door) in (0..).zip(&self.scene.doors) {
@@ -47,7 +47,7 @@ impl ScenarioState {
     }
 }
 
-/// A person's body and head.
+/// Returns a person's body and head.
 fn figure(center: DVec2) -> [Form<'static>; 2] {
     let (bottom, top, radius) = HEAD;
     let body = prism(Shape::Disc { center, radius: PERSON_RADIUS }, Extent::between(0.0, bottom));

@@ -1,14 +1,15 @@
-//! What is connected with what through doors: pieces of ground, and which of them touch.
+//! The graph of pieces of ground that doors connect.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::flood::flood;
 
-/// The piece of a cell that is in none.
+/// The piece number of cells that belong to no piece.
 const NONE: usize = usize::MAX;
 
-/// Pieces of a grid of cells: cells that are connected by their sides, and closed by the same doors. So what is
-/// reached while a door is closed is found from the pieces, of which there are about as many as doors.
+/// The pieces of a grid of cells. A piece consists of cells that are connected by their sides and closed by the
+/// same doors. The pieces, of which there are about as many as doors, are enough to find what is reached while a
+/// door is closed.
 pub(super) struct DoorGraph {
     /// The piece of each cell.
     piece_of: Vec<usize>,
@@ -19,7 +20,8 @@ pub(super) struct DoorGraph {
 }
 
 impl DoorGraph {
-    /// The pieces of the open cells of a grid with `cols` columns. `closed` holds the cells that each door closes.
+    /// Creates the pieces of the open cells of a grid with `cols` columns. `closed` contains the cells that each
+    /// door closes.
     pub(super) fn new(cols: usize, open: &[bool], closed: &[Vec<usize>]) -> Self {
         let mut doors_of: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
         for (door, cells) in (0..).zip(closed) {
@@ -73,17 +75,17 @@ impl DoorGraph {
         graph
     }
 
-    /// Number of pieces.
+    /// Returns the number of pieces.
     pub(super) fn len(&self) -> usize {
         self.doors.len()
     }
 
-    /// The piece of a cell.
+    /// Returns the piece of a cell.
     pub(super) fn piece(&self, cell: usize) -> Option<usize> {
         self.piece_of.get(cell).copied().filter(|&piece| piece != NONE)
     }
 
-    /// Which pieces are reached from one of them while a door is closed, or none.
+    /// Returns which pieces are reached from a given piece while one door, or no door, is closed.
     pub(super) fn reached(&self, start: usize, closed: Option<u32>) -> Vec<bool> {
         let mut reached = vec![false; self.len()];
         let is_open = |piece: usize| closed.is_none_or(|door| !self.doors[piece].contains(&door));

@@ -1,11 +1,12 @@
-//! Where everything is between two ticks.
+//! Interpolation of a scenario between two ticks.
 
 use super::ScenarioState;
 
 impl ScenarioState {
-    /// This state with people and leaves moved evenly towards where a later state of the same scenario has them, by a
-    /// share from 0, here, to 1: for programs that show or push things more often than
-    /// [`TICKS_PER_SECOND`](super::TICKS_PER_SECOND). Everything else is as here, so that it is not for stepping.
+    /// Returns this state with people and leaves moved linearly towards their positions in a later state of the
+    /// same scenario, by a share from 0 (this state) to 1 (the later state). It is intended for programs that
+    /// display or move things more often than [`TICKS_PER_SECOND`](super::TICKS_PER_SECOND). Everything else is as
+    /// in this state, so that the result must not be stepped.
     ///
     /// ```
     /// use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState};

@@ -1,9 +1,9 @@
-//! Things that move in a [`World`](crate::World): doors, people and smoke.
+//! Moving elements of a [`World`](crate::World): doors, people and smoke.
 //!
 //! A [`ScenarioSpec`] and a seed give a [`Scenario`], which lists the doors, people and sources of smoke of a
-//! world, can be edited, and is a RON file. A [`ScenarioState`] runs it in steps of 1/20 s: the same at all
-//! times, however often it is asked, on every platform. It needs no simulator; what it gets of one are the
-//! true poses of the robots, and what it gives are rays, clearances and contacts with everything.
+//! world. It can be edited, and is stored as a RON file. A [`ScenarioState`] runs it in steps of 1/20 s, with the
+//! same result on every platform, however often it is queried. It needs no simulator: its only input are the true
+//! poses of the robots, and its output are rays, clearances and contacts with everything.
 //!
 //! ```
 //! use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState, Target};
@@ -24,8 +24,9 @@
 //!
 //! # Limits
 //!
-//! - Doors are in open doorways; one that is closed in the world stays so. The leaf of a door has no thickness.
-//! - People are discs of radius [`PERSON_RADIUS`] for everything but a laser. They walk where such a disc fits,
+//! - Doors are in open doorways. A doorway that is closed in the world remains closed. The leaf of a door has no
+//!   thickness.
+//! - People are discs of radius [`PERSON_RADIUS`] for everything except a laser. They walk where such a disc fits,
 //!   on a grid of 0.2 m that is coarser in worlds of more than 41,000 square metres.
 //! - Smoke has one density in each room, and one in all hallways and open areas together.
 

@@ -1,4 +1,4 @@
-//! Who is near whom: cells and lists that are rebuilt from time to time.
+//! Neighbour queries for people: a grid of cells, and lists of neighbours that are rebuilt at intervals.
 
 use std::ops::Range;
 
@@ -9,27 +9,27 @@ use super::tick::TICK;
 use crate::geometry::Rect;
 use crate::grid::GridFrame;
 
-/// People farther away than this do not avoid each other, in metres.
+/// The distance in metres beyond which people do not avoid each other.
 pub(super) const RANGE: f64 = 5.0;
 
-/// People farther away than this do not touch each other, whatever rounding does, in metres.
+/// The distance in metres beyond which people do not touch each other, whatever the rounding errors are.
 const TOUCH: f64 = 2.0 * PERSON_RADIUS + 1e-6;
 
-/// The lists are rebuilt after this many ticks.
+/// The number of ticks after which the lists are rebuilt.
 pub(super) const REBUILD: u64 = 10;
 
-/// How far people with a greatest speed can go until the lists are rebuilt, in metres.
+/// Returns the greatest distance in metres that people with a greatest speed can go until the lists are rebuilt.
 pub(super) fn drift(max_speed: f64) -> f64 {
     max_speed * REBUILD as f64 * TICK
 }
 
-/// The people around each point and each person. The lists hold everyone who can come within range before they
-/// are rebuilt (L. Verlet, Physical Review 159, 1967,
-/// <https://doi.org/10.1103/PhysRev.159.98>), so that a step costs as much as there are neighbours.
+/// The people around each point and each person. The lists contain everyone who can come within range before they
+/// are rebuilt (L. Verlet, Physical Review 159, 1967, <https://doi.org/10.1103/PhysRev.159.98>), so that the cost
+/// of a step is proportional to the number of neighbours.
 #[derive(Clone, Debug)]
 pub(crate) struct Neighbourhood {
     frame: GridFrame,
-    /// How far a person can go until the lists are rebuilt, in metres.
+    /// The greatest distance in metres that a person can go until the lists are rebuilt.
     drift: f64,
     starts: Vec<u32>,
     ids: Vec<u32>,
@@ -41,20 +41,20 @@ pub(crate) struct Neighbourhood {
     in_touch: Lists,
 }
 
-/// Someone in the list of another person.
+/// An entry in the list of a person's neighbours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Neighbour {
     pub(super) person: u32,
-    /// The number of the pair that both are.
+    /// The number of the pair that the two form.
     pub(super) pair: u32,
 }
 
-/// For each person the others who can come within a distance before the lists are rebuilt.
+/// For each person, the others who can come within a distance before the lists are rebuilt.
 #[derive(Clone, Debug)]
 struct Lists {
     starts: Vec<u32>,
     neighbours: Vec<Neighbour>,
-    /// Those who are in each other's lists.
+    /// The pairs of people who are in each other's lists.
     pairs: Vec<[u32; 2]>,
 }
 
@@ -71,7 +71,7 @@ impl Lists {
         }
     }
 
-    /// Lists the people of all pairs.
+    /// Builds the lists from the pairs.
     fn fill(&mut self) {
         self.starts.fill(0);
         for &i in self.pairs.as_flattened() {
@@ -110,23 +110,23 @@ impl Neighbourhood {
         }
     }
 
-    /// Those who can come within [`RANGE`] of a person before the next rebuild.
+    /// Returns the people who can come within [`RANGE`] of a person before the next rebuild.
     #[inline]
     pub(super) fn of(&self, person: usize) -> &[Neighbour] {
         self.in_range.of(person)
     }
 
-    /// Number of the pairs.
+    /// Returns the number of pairs.
     pub(super) fn pair_count(&self) -> usize {
         self.in_range.pairs.len()
     }
 
-    /// The positions of a pair when the lists were built.
+    /// Returns the positions of a pair when the lists were built.
     pub(super) fn pair_positions(&self, number: u32) -> [DVec2; 2] {
         self.in_range.pairs[number as usize].map(|i| self.positions[i as usize])
     }
 
-    /// Those whom a person can touch before the next rebuild.
+    /// Returns the people whom a person can touch before the next rebuild.
     #[inline]
     pub(super) fn touchable(&self, person: usize) -> &[Neighbour] {
         self.in_touch.of(person)
@@ -155,7 +155,8 @@ impl Neighbourhood {
         self.in_touch.fill();
     }
 
-    /// Those who can come within range of each other. They are in the same cell or in two that touch.
+    /// Finds the pairs of people who can come within range of each other. They are in the same cell or in adjacent
+    /// cells.
     fn find_pairs(&mut self) {
         let [range2, touch2] = [RANGE, TOUCH].map(|reach| {
             let reach = reach + 2.0 * self.drift;
@@ -206,13 +207,13 @@ impl Neighbourhood {
         pairs.truncate(count);
     }
 
-    /// Whether a test holds for one of those who may be within `reach` metres of a point.
+    /// Whether a test holds for one of the people who may be within `reach` metres of a point.
     pub(crate) fn any(&self, p: DVec2, reach: f64, mut test: impl FnMut(usize) -> bool) -> bool {
         let mut runs = self.runs(p, reach + self.drift);
         runs.any(|run| self.ids[run].iter().any(|&i| test(i as usize)))
     }
 
-    /// The parts of `ids` that are in the cells within `reach` metres of a point.
+    /// Returns the ranges of `ids` that are in the cells within `reach` metres of a point.
     fn runs(&self, p: DVec2, reach: f64) -> impl Iterator<Item = Range<usize>> + use<'_> {
         let (left, bottom) = self.clamped(p - reach);
         let (right, top) = self.clamped(p + reach);
@@ -222,7 +223,7 @@ impl Neighbourhood {
         })
     }
 
-    /// The column and row of the cell that is nearest to a point.
+    /// Returns the column and row of the cell that is nearest to a point.
     fn clamped(&self, p: DVec2) -> (usize, usize) {
         let cell = (p - self.frame.origin) / self.frame.cell_size;
         // Negative numbers and NaN become 0.
@@ -230,7 +231,7 @@ impl Neighbourhood {
     }
 }
 
-/// Replaces the number of entries of each list by where the list ends, one after the other.
+/// Replaces the number of entries of each list by the index at which the list ends.
 fn counts_to_ends(counts: &mut [u32]) {
     let mut end = 0;
     for count in counts {

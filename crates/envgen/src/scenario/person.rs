@@ -1,11 +1,11 @@
-//! A person, and what a person does.
+//! People, and their reactions to robots.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::unit_vector;
 
-/// Radius in metres of the disc that a person needs.
+/// Radius in metres of the disc that a person occupies.
 pub const PERSON_RADIUS: f64 = 0.25;
 
 /// Radius in metres of a leg, as a laser sees it.
@@ -18,35 +18,35 @@ pub(super) const MAX_SPEED: f64 = 3.0;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Person {
-    /// Where the person is at first, in metres.
+    /// The initial position, in metres.
     pub position: DVec2,
-    /// The direction in which the person looks at first, in radians.
+    /// The initial direction in which the person looks, in radians.
     pub heading: f64,
-    /// Speed of walking in m/s.
+    /// Walking speed in m/s.
     pub speed: f64,
-    /// What the person does when a robot is near.
+    /// The person's reaction to a robot.
     pub reaction: Reaction,
 }
 
-/// What a person does when a robot is near and in sight. The numbers are those of `HuNavSim` (Pérez-Higueras
-/// et al., <https://arxiv.org/abs/2305.01303>).
+/// The reaction of a person to a robot that is near and in sight. The numbers are those of `HuNavSim`
+/// (Pérez-Higueras et al., <https://arxiv.org/abs/2305.01303>).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reaction {
-    /// Treats the robot as another person, and expects it to avoid as well.
+    /// The person treats the robot like another person, and expects it to avoid collisions as well.
     Regular,
-    /// Stops and looks at a robot within 4 m for 30 s.
+    /// The person stops and looks at a robot within 4 m for 30 s.
     Surprised,
-    /// Comes up to 1.5 m to a robot within 10 m, for 30 s, and slower when nearer.
+    /// The person approaches a robot within 10 m up to 1.5 m, for 30 s, and slows down when nearer.
     Curious,
-    /// Goes away from a robot within 3 m at 0.6 m/s, for 40 s.
+    /// The person moves away from a robot within 3 m at 0.6 m/s, for 40 s.
     Scared,
-    /// Treats the robot as an obstacle, and avoids it alone.
+    /// The person treats the robot as an obstacle, and does not expect it to avoid collisions.
     Impassive,
 }
 
 impl Reaction {
-    /// Distance of a robot in metres that makes a person react, and for how many seconds.
+    /// Returns the distance of a robot in metres at which a person reacts, and the duration of the reaction in seconds.
     pub(super) fn trigger(self) -> Option<(f64, f64)> {
         match self {
             Reaction::Regular | Reaction::Impassive => None,
@@ -56,7 +56,7 @@ impl Reaction {
         }
     }
 
-    /// The velocity of a person who reacts to a robot, from the vector to it.
+    /// Returns the velocity of a person who reacts to a robot, given the vector to it.
     pub(super) fn velocity(self, to_robot: DVec2) -> DVec2 {
         const STOP: f64 = 1.5;
         let distance = to_robot.length();
@@ -71,13 +71,13 @@ impl Reaction {
     }
 }
 
-/// Half the distance between the middles of a person's legs, in metres.
+/// Half the distance between the centres of a person's legs, in metres.
 const LEG_OFFSET: f64 = 0.15;
 
 /// The greatest speed of a curious person, in m/s.
 pub(super) const MAX_CURIOUS: f64 = 1.8;
 
-/// Where a person is, and what the person does.
+/// The state of a person: position, velocity and activity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PersonState {
@@ -85,37 +85,37 @@ pub struct PersonState {
     pub position: DVec2,
     /// Velocity in m/s.
     pub velocity: DVec2,
-    /// Unit vector in which the person looks.
+    /// Unit vector in the direction in which the person looks.
     pub facing: DVec2,
     pub(super) task: Task,
-    /// The corners of the path, the last first.
+    /// The corners of the path, with the last one first.
     pub(super) path: Vec<DVec2>,
-    /// The place to which the path leads, or where the person is.
+    /// The place to which the path leads, or at which the person is.
     pub(super) place: Option<u32>,
-    /// How many goals were drawn.
+    /// Number of goals that were drawn.
     pub(super) draws: u64,
     /// Whether the line to the next corner is known to be clear of solids.
     pub(super) on_path: bool,
-    /// Steps of the present velocity until the next corner.
+    /// Number of steps with the current velocity until the next corner.
     pub(super) steps_left: u32,
-    /// Where and when the person last came forward.
+    /// Position and tick at which the person last made progress.
     pub(super) moved: (DVec2, u64),
-    /// Where to step aside for the leaf of a door that is to open.
+    /// The point to which the person steps aside for the leaf of a door that is about to open.
     pub(super) aside: Option<DVec2>,
-    /// Where others held the person up, and how often.
+    /// The position at which others held the person up, and how often.
     pub(super) held_up: (DVec2, u32),
-    /// Set after a reaction, until the robot is away.
+    /// Whether the person no longer reacts, which is set after a reaction until the robot is away.
     pub(super) is_used_to_robot: bool,
 }
 
-/// What a person does.
+/// The activity of a person.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Task {
-    /// Works or waits until a tick.
+    /// The person works or waits until a tick.
     Stand { until: u64 },
-    /// Walks along the path.
+    /// The person walks along the path.
     Walk,
-    /// Reacts to a robot until a tick.
+    /// The person reacts to a robot until a tick.
     React { until: u64 },
 }
 
@@ -138,29 +138,31 @@ impl PersonState {
         }
     }
 
-    /// Whether the person is walking to a place.
+    /// Returns whether the person is walking to a place.
     pub fn is_walking(&self) -> bool {
         self.task == Task::Walk
     }
 
-    /// Whether the person reacts to a robot.
+    /// Returns whether the person reacts to a robot.
     pub fn is_reacting(&self) -> bool {
         matches!(self.task, Task::React { .. })
     }
 
-    /// The corners of the path ahead, the last first, in metres; empty for who does not walk.
+    /// Returns the remaining corners of the path in metres, with the last one first; empty for a person who does
+    /// not walk.
     pub fn path(&self) -> &[DVec2] {
         &self.path
     }
 
-    /// The middles of the legs, in metres: beside each other, across the direction in which the person looks.
+    /// Returns the centres of the legs, in metres. They are beside each other, across the direction in which the
+    /// person looks.
     pub fn legs(&self) -> [DVec2; 2] {
         let aside = self.facing.perp() * LEG_OFFSET;
         [self.position + aside, self.position - aside]
     }
 }
 
-/// The greatest speed that one of these people can have, in m/s.
+/// Returns the greatest speed that any of these people can have, in m/s.
 pub(crate) fn max_speed(people: &[Person]) -> f64 {
     let speed = |person: &Person| match person.reaction {
         Reaction::Curious => person.speed.max(MAX_CURIOUS),

@@ -1,4 +1,4 @@
-//! The doors, people and smoke of a world.
+//! Scenarios: the doors, people and smoke of a world.
 
 use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use crate::scenario::smoke::SmokeSource;
 use crate::seed::Seed;
 use crate::world::World;
 
-/// What moves in a world, and how.
+/// The moving elements of a world, and their properties.
 ///
 /// Its lists may be edited; [`ScenarioState::new`](super::ScenarioState::new) checks them against the world.
 ///
@@ -33,9 +33,9 @@ use crate::world::World;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scenario {
-    /// From which everything random follows.
+    /// The seed from which everything random follows.
     pub seed: Seed,
-    /// The settings that it was drawn with. Those of single doors, people and sources are in their lists.
+    /// The settings with which the scenario was drawn. Those of single doors, people and sources are in their lists.
     pub settings: ScenarioSpec,
     /// The doors.
     pub doors: Vec<Door>,
@@ -45,7 +45,7 @@ pub struct Scenario {
     pub smoke: Vec<SmokeSource>,
 }
 
-/// Why a scenario could not be read or written.
+/// The reasons why a scenario could not be read or written.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ScenarioFileError {
@@ -75,7 +75,7 @@ impl Scenario {
         Ok(Scenario { seed, settings: spec.clone(), doors, people, smoke })
     }
 
-    /// The scenario as RON.
+    /// Returns the scenario as RON.
     ///
     /// # Errors
     /// When a number cannot be written.
@@ -88,7 +88,7 @@ impl Scenario {
     /// Reads a scenario from RON.
     ///
     /// # Errors
-    /// When the text is not the RON of a scenario, or a setting is out of range.
+    /// When the text is not the RON of a scenario, or when a setting is out of range.
     pub fn from_ron(text: &str) -> Result<Self, ScenarioFileError> {
         let scenario: Scenario = ron::Options::default()
             .with_recursion_limit(128)
@@ -98,7 +98,7 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// Checks the doors and the smoke against a world, and how many people there are.
+    /// Checks the doors, the smoke and the number of people against a world.
     pub(super) fn check(&self, world: &World) -> Result<(), SpecError> {
         self.settings.validate()?;
         let mut doors = vec![None; world.doorways.len()];
@@ -119,7 +119,7 @@ impl Scenario {
         Ok(())
     }
 
-    /// Checks the people against free space, doors and each other.
+    /// Checks the people against the free space, the doors and each other.
     pub(super) fn check_people(
         &self,
         space: &FreeSpace,
@@ -148,7 +148,7 @@ impl Scenario {
     }
 }
 
-/// The shapes of doors that were checked.
+/// Returns the shapes of doors that were checked.
 pub(super) fn shapes(world: &World, doors: &[Door]) -> Vec<DoorShape> {
     let doorway = |door: &Door| world.doorways.get(door.doorway as usize);
     doors.iter().filter_map(|door| Some(DoorShape::new(door, doorway(door)?))).collect()

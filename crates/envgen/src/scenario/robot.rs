@@ -1,17 +1,17 @@
-//! Robots, as far as a scenario knows them.
+//! Robots, as a scenario sees them.
 
 use glam::DVec2;
 
 use crate::error::SpecError;
 
-/// A robot, as people see it and doors feel it.
+/// A robot, as people and doors sense it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Robot {
     /// True position in metres.
     pub position: DVec2,
     /// True velocity in m/s.
     pub velocity: DVec2,
-    /// Radius in metres of a disc that holds it.
+    /// Radius in metres of a disc that contains the robot.
     pub radius: f64,
 }
 

@@ -1,15 +1,16 @@
-//! Which room, or other place, each cell of a grid is in.
+//! The rooms and other places that contain the cells of a grid.
 
 use crate::geometry::Shape;
 use crate::grid::GridFrame;
 use crate::world::World;
 
-/// For the middle of each cell one more than the index of its room, 0 outside all rooms; of several rooms the last.
+/// Returns for each cell, by its centre, one more than the index of its room; 0 outside all rooms. If several rooms
+/// contain it, the last one counts.
 pub(super) fn rooms_of_cells(world: &World, frame: GridFrame) -> Vec<u32> {
     places_of_cells(world.rooms.iter().map(|room| &room.shape), frame)
 }
 
-/// The same for places of these shapes in place of the rooms.
+/// The same for places of the given shapes instead of rooms.
 pub(super) fn places_of_cells<'a>(
     shapes: impl Iterator<Item = &'a Shape>,
     frame: GridFrame,

@@ -6,11 +6,11 @@ use strum::VariantNames;
 use crate::error::SpecError;
 use crate::settings;
 
-/// The most people of a scenario.
+/// The greatest number of people of a scenario.
 pub const MAX_PEOPLE: u32 = 10_000;
 
 settings! {
-    /// What moves in a world. By default nothing does.
+    /// The settings of a scenario: the moving elements of a world. By default nothing moves.
     ///
     /// ```
     /// use envgen::scenario::ScenarioSpec;
@@ -70,12 +70,12 @@ settings! {
     }
 }
 
-/// How the doors of a scenario move.
+/// The kinds of motion of a scenario's doors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum DoorKinds {
-    /// Each kind with the same probability.
+    /// Each kind, with the same probability.
     Mixed,
     /// One leaf that turns.
     Hinged,
@@ -85,20 +85,21 @@ pub enum DoorKinds {
     Sliding,
 }
 
-/// What opens and closes a door.
+/// The control of a door: what opens and closes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum DoorControl {
-    /// Chance: open and closed times are exponentially distributed.
+    /// The door opens and closes at random, with exponentially distributed open and closed times.
     Timed,
-    /// A robot, or a person who walks, nearer than 2 m opens it.
+    /// A robot, or a walking person, opens the door within 2 m of it.
     Triggered,
-    /// [`ScenarioState::command_door`](super::ScenarioState::command_door) alone; it is open at first.
+    /// Only [`ScenarioState::command_door`](super::ScenarioState::command_door) opens and closes the door, which is
+    /// open at first.
     Commanded,
 }
 
-/// What a laser sees of a person.
+/// The shape of a person for a laser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
@@ -109,7 +110,7 @@ pub enum Body {
     Legs,
 }
 
-/// How the people of a scenario react to a robot.
+/// The reactions of a scenario's people to a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
@@ -124,40 +125,40 @@ pub enum Reactions {
     Scared,
     /// [`Reaction::Impassive`](super::Reaction::Impassive).
     Impassive,
-    /// Each with the same probability.
+    /// Each reaction, with the same probability.
     Mixed,
 }
 
-/// What the smoke of `USARSim` is; the physical profile makes no difference between them.
+/// The kind of smoke in `USARSim`. The physical profile does not distinguish the kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum SmokeKind {
-    /// A density in a region, through which a SICK sees.
+    /// Smoke of a density in a region, through which a SICK sees.
     Regional,
     /// Particles, which stop every beam.
     Particle,
 }
 
-/// How smoke affects a laser.
+/// The effect of smoke on a laser.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum SmokeProfile {
-    /// Beer and Lambert's law in the equation of a lidar.
+    /// The lidar equation with the Beer-Lambert law.
     Physical,
-    /// As `USARSim` does: each laser has a rule of its own.
+    /// As in `USARSim`, where each laser has a rule of its own.
     Usarsim,
 }
 
-/// What a beam that smoke stops reads.
+/// The reading of a beam that smoke stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum FailedBeams {
     /// No echo.
     None,
-    /// A distance of 0, as a Hokuyo.
+    /// A distance of 0, as a Hokuyo reports.
     Zero,
     /// The distance of an echo from the smoke itself.
     Phantom,
@@ -172,7 +173,7 @@ impl ScenarioSpec {
         self.check_fields()
     }
 
-    /// Sets one setting from text, as `--set name=value` does. On an error nothing changes.
+    /// Sets one setting from text, as `--set name=value` does. On an error, nothing changes.
     ///
     /// ```
     /// use envgen::scenario::ScenarioSpec;
@@ -185,7 +186,7 @@ impl ScenarioSpec {
     /// ```
     ///
     /// # Errors
-    /// When the setting does not exist (the error lists those that do) or the text is not one of its values.
+    /// When the setting does not exist (the error lists those that do), or when the text is not one of its values.
     pub fn set(&mut self, name: &str, value: &str) -> Result<(), SpecError> {
         let Some(setting) = Self::SETTINGS.iter().find(|setting| setting.name == name) else {
             let known: Vec<_> = Self::SETTINGS.iter().map(|setting| setting.name).collect();
@@ -197,7 +198,7 @@ impl ScenarioSpec {
         Ok(())
     }
 
-    /// Whether nothing moves, so that the world is as without a scenario.
+    /// Returns whether nothing moves, so that the world is the same as without a scenario.
     pub fn is_still(&self) -> bool {
         self.doors == 0.0 && self.people == 0 && self.smoke == 0.0
     }

@@ -1,4 +1,4 @@
-//! A scenario as it runs.
+//! The state of a running scenario.
 
 use std::sync::Arc;
 
@@ -21,36 +21,35 @@ use crate::raycast::Raycaster;
 use crate::seed::Seed;
 use crate::world::{Digest, World};
 
-/// A tick is due when the time is within this many seconds of it, so that the rounding of small steps does not delay
-/// it.
+/// Tolerance in seconds of the time at which a tick is due, so that the rounding of small steps does not delay it.
 const ROUNDING: f64 = 1e-6;
 
-/// The longest step in seconds.
+/// The greatest step in seconds.
 const MAX_STEP: f64 = 86_400.0;
 
-/// Smoke spreads after this many ticks.
+/// The number of ticks after which smoke spreads.
 const SPREAD: u64 = 10;
 
-/// The most places to which people go.
+/// The greatest number of places to which people go.
 const MAX_PLACES: usize = 1 << 14;
 
-/// A scenario at a time.
+/// The state of a scenario at a point in time.
 ///
-/// A copy continues on its own; all copies share the indices of the world.
+/// A copy continues on its own. All copies share the indices of the world.
 #[derive(Clone, Debug)]
 pub struct ScenarioState {
     pub(super) scene: Arc<Scene>,
     tick: u64,
-    /// Seconds since the last tick, instead of those since the start, whose rounding would grow with them.
+    /// Seconds since the last tick. The rounding of the seconds since the start would grow with time.
     since_tick: f64,
     pub(super) doors: Vec<DoorState>,
-    /// Commands of the last tick and since.
+    /// The commands of the last tick, and those given since.
     commands: Vec<GivenDoorCommand>,
     pub(super) crowd: Crowd,
     pub(super) smoke: SmokeField,
 }
 
-/// What does not change.
+/// The constant data of a scenario.
 #[derive(Debug)]
 pub(super) struct Scene {
     pub(super) settings: ScenarioSpec,
@@ -58,7 +57,7 @@ pub(super) struct Scene {
     bounds: Rect,
     pub(super) doors: Vec<Door>,
     pub(super) shapes: Vec<DoorShape>,
-    /// The door of each doorway.
+    /// For each doorway, its door.
     door_of: Vec<Option<usize>>,
     people: Vec<Person>,
     max_speed: f64,
@@ -68,7 +67,7 @@ pub(super) struct Scene {
     walk: Option<Walk>,
 }
 
-/// What people need.
+/// The data that people need.
 #[derive(Debug)]
 struct Walk {
     space: FreeSpace,
@@ -106,7 +105,7 @@ impl Walk {
 }
 
 impl ScenarioState {
-    /// The start of a scenario in its world.
+    /// Creates the state of a scenario at its start in a world.
     ///
     /// # Errors
     /// When the scenario does not fit the world: a door without an open doorway, a person without free space, a
@@ -152,7 +151,7 @@ impl ScenarioState {
         ScenarioState { scene, tick: 0, since_tick: 0.0, doors, commands: Vec::new(), crowd, smoke }
     }
 
-    /// The same scenario from its start.
+    /// Returns the same scenario at its start.
     ///
     /// ```
     /// use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState};
@@ -171,8 +170,8 @@ impl ScenarioState {
         ScenarioState::start(Arc::clone(&self.scene))
     }
 
-    /// Continues by `dt` seconds, from 0 to a day, with robots at their true positions. Everything moves in
-    /// whole ticks: several short steps are as a long one, to the bit, where the robots are the same.
+    /// Continues by `dt` seconds, from 0 to a day, with robots at their true positions. Everything moves in whole
+    /// ticks: several short steps give the same result as a long one, to the bit, if the robots are the same.
     ///
     /// ```
     /// use envgen::scenario::{Robot, Scenario, ScenarioSpec, ScenarioState};
@@ -195,7 +194,7 @@ impl ScenarioState {
     /// ```
     ///
     /// # Errors
-    /// When `dt` is out of range, or a number of a robot is not finite or its radius negative; then nothing
+    /// When `dt` is out of range, or when a number of a robot is not finite or its radius is negative. Then nothing
     /// moves.
     pub fn step(&mut self, dt: f64, robots: &[Robot]) -> Result<(), SpecError> {
         if !(0.0..=MAX_STEP).contains(&dt) {
@@ -233,33 +232,34 @@ impl ScenarioState {
         }
     }
 
-    /// The settings of the scenario.
+    /// Returns the settings of the scenario.
     pub fn settings(&self) -> &ScenarioSpec {
         &self.scene.settings
     }
 
-    /// Whether there is any smoke.
+    /// Returns whether there is any smoke.
     pub fn has_smoke(&self) -> bool {
         !self.scene.smoke.is_empty()
     }
 
-    /// Seconds since the start: the sum of all steps.
+    /// Returns the seconds since the start, which is the sum of all steps.
     pub fn time(&self) -> f64 {
         self.tick as f64 * TICK + self.since_tick
     }
 
-    /// Ticks since the start, [`TICKS_PER_SECOND`](super::TICKS_PER_SECOND) per second.
+    /// Returns the number of ticks since the start, of which there are
+    /// [`TICKS_PER_SECOND`](super::TICKS_PER_SECOND) per second.
     pub fn tick(&self) -> u64 {
         self.tick
     }
 
-    /// The doors, in the order of the scenario.
+    /// Returns the states of the doors, in the order of the scenario.
     pub fn doors(&self) -> &[DoorState] {
         &self.doors
     }
 
-    /// Opens, closes or slams a door, which begins with the next tick and stops at bodies as ever. Logs of trials
-    /// hold what [`ScenarioState::door_commands`] lists.
+    /// Opens, closes or slams a door. The motion begins with the next tick, and stops at bodies as always. Logs of
+    /// trials contain the commands that [`ScenarioState::door_commands`] lists.
     ///
     /// ```
     /// use envgen::scenario::{DoorCommand, DoorControl, Scenario, ScenarioSpec, ScenarioState};
@@ -282,7 +282,7 @@ impl ScenarioState {
     /// ```
     ///
     /// # Errors
-    /// When there is no such door.
+    /// When the door does not exist.
     pub fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
         match self.doors.get_mut(door) {
             Some(state) => {
@@ -301,40 +301,42 @@ impl ScenarioState {
         }
     }
 
-    /// The commands that doors carried out from the last tick on, and those given since, in the order in which they
-    /// were given. Commands that change nothing, such as to close a door that closes, are left out.
+    /// Returns the commands that doors carried out from the last tick on, and those given since, in the order in
+    /// which they were given. Commands that change nothing, such as closing a door that is closing, are left out.
     pub fn door_commands(&self) -> &[GivenDoorCommand] {
         &self.commands
     }
 
-    /// The leaves of a door; none of one that does not exist.
+    /// Returns the leaves of a door; no leaves for a door that does not exist.
     pub fn leaves(&self, door: usize) -> impl Iterator<Item = Leaf> + use<> {
         let shape = self.scene.shapes.get(door).zip(self.doors.get(door));
         shape.map(|(shape, state)| state.leaves(shape)).into_iter().flatten()
     }
 
-    /// The leaves of a door as they would be at an openness from 0, closed, to 1; none of one that does not exist.
+    /// Returns the leaves of a door as they would be at an openness from 0 (closed) to 1 (open); no leaves for a
+    /// door that does not exist.
     pub fn leaves_at(&self, door: usize, openness: f64) -> impl Iterator<Item = Leaf> + use<> {
         let openness = openness.clamp(0.0, 1.0);
         self.scene.shapes.get(door).map(|shape| shape.leaves(openness)).into_iter().flatten()
     }
 
-    /// The middle of the doorway of a door; the origin for one that does not exist.
+    /// Returns the middle of the doorway of a door; the origin for a door that does not exist.
     pub fn doorway_middle(&self, door: usize) -> DVec2 {
         self.scene.shapes.get(door).map_or(DVec2::ZERO, DoorShape::middle)
     }
 
-    /// The leaves of all doors.
+    /// Returns the leaves of all doors.
     pub fn all_leaves(&self) -> impl Iterator<Item = Leaf> + '_ {
         (0..self.doors.len()).flat_map(|door| self.leaves(door))
     }
 
-    /// The people, in the order of the scenario.
+    /// Returns the states of the people, in the order of the scenario.
     pub fn people(&self) -> &[PersonState] {
         &self.crowd.people
     }
 
-    /// A digest of everything that moves: of equal ones everything is at the same place, to the bit.
+    /// Returns a digest of everything that moves. If two digests are equal, everything is at the same position, to
+    /// the bit.
     pub fn digest(&self) -> Digest {
         Digest::of(&(self.tick, &self.doors, &self.crowd.people, &self.smoke))
     }
@@ -345,7 +347,7 @@ impl Scene {
         DoorClock { seed: self.seed, doorway: u64::from(door.doorway), tick }
     }
 
-    /// What people walk among; `None` without people.
+    /// Returns the surroundings of people; `None` without people.
     pub(super) fn surroundings<'a>(
         &'a self,
         doors: &'a [DoorState],

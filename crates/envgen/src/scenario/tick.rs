@@ -1,6 +1,6 @@
-//! The steps of a scenario.
+//! The ticks of a scenario.
 
-/// Steps of a scenario per second.
+/// Number of steps of a scenario per second.
 pub const TICKS_PER_SECOND: u64 = 20;
 
 /// Time between two steps in seconds.

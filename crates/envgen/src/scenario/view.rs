@@ -1,4 +1,4 @@
-//! Rays, clearances, contacts and smoke in a world with everything that moves.
+//! Queries in a world with everything that moves: rays, clearances, contacts and smoke.
 
 use glam::DVec2;
 
@@ -10,10 +10,10 @@ use crate::raycast::Hit;
 use crate::seed::Stream;
 use crate::world::PartId;
 
-/// Rounding changes a distance by less than this, in metres.
+/// An upper bound, in metres, of the rounding error of a distance.
 const ROUNDING: f64 = 1e-9;
 
-/// What a ray or a robot meets.
+/// The target that a ray or a robot meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// A part of the world.
@@ -24,34 +24,34 @@ pub enum Target {
     Person(u32),
 }
 
-/// The first thing that a ray meets.
+/// The first target that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingHit {
-    /// Distance in metres; 0 for a ray that starts inside.
+    /// Distance in metres; 0 for a ray that starts inside the target.
     pub distance: f64,
-    /// What it is.
+    /// The target.
     pub target: Target,
 }
 
-/// The nearest point of something.
+/// A target near a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingContact {
-    /// What it is.
+    /// The target.
     pub target: Target,
-    /// Its nearest point; the query point itself when that lies inside.
+    /// The target's point that is nearest to the query point; the query point itself if it lies inside the target.
     pub point: DVec2,
-    /// Distance to that point in metres.
+    /// Distance from the query point to `point`, in metres.
     pub distance: f64,
 }
 
-/// Something that moves, as a laser sees it.
+/// The shape of something that moves, as a laser sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MovingShape {
     /// The leaf of a door.
     Leaf(Leaf),
-    /// A person, or a leg.
+    /// A person, or a leg of a person.
     Disc {
-        /// Middle in metres.
+        /// Centre in metres.
         center: DVec2,
         /// Radius in metres.
         radius: f64,
@@ -59,7 +59,8 @@ pub enum MovingShape {
 }
 
 impl MovingShape {
-    /// Distance along a ray in the direction of a unit vector, 0 inside; `None` where it misses.
+    /// Returns the distance along a ray in the direction of a unit vector, 0 inside the shape; `None` if the ray
+    /// misses it.
     pub fn distance_along(&self, from: DVec2, direction: DVec2) -> Option<f64> {
         match *self {
             MovingShape::Leaf(leaf) => leaf.distance_along(from, direction),
@@ -69,9 +70,9 @@ impl MovingShape {
 }
 
 impl ScenarioState {
-    /// The first thing that a ray in the direction of a unit vector meets within `max_range` metres, smoke
-    /// aside; `None` when it meets nothing, and for a negative range or NaN. Of things at the same distance it
-    /// is a part of the world, then a leaf.
+    /// Returns the first target that a ray in the direction of a unit vector meets within `max_range` metres,
+    /// ignoring smoke. Returns `None` if it meets nothing, and for a negative range or NaN. Among targets at the
+    /// same distance, a part of the world comes first, then a leaf.
     pub fn cast(&self, from: DVec2, direction: DVec2, max_range: f64) -> Option<MovingHit> {
         let part = self.scene.rays.cast_along(from, direction, max_range);
         let part = part.map(|Hit { distance, part }| (distance, Target::Part(part)));
@@ -89,8 +90,8 @@ impl ScenarioState {
         best.1.map(|target| MovingHit { distance: best.0, target })
     }
 
-    /// What moves within `max_range` metres of a point, as a laser sees it: leaves, then people. What is a little
-    /// farther away may be among them.
+    /// Returns the shapes of what moves within `max_range` metres of a point, as a laser sees them: leaves, then
+    /// people. Shapes that are slightly farther away may be among them.
     pub fn visible(
         &self,
         from: DVec2,
@@ -121,8 +122,8 @@ impl ScenarioState {
         leaves.chain(people)
     }
 
-    /// Calls `visit` for everything within `radius` metres of a point, or within 2 m where that is less. A part
-    /// with a long outline may be visited several times. People are discs.
+    /// Calls `visit` for everything within `radius` metres of a point. A radius greater than 2 m counts as 2 m. A
+    /// part with a long outline may be visited several times. People are discs.
     pub fn contacts(&self, p: DVec2, radius: f64, mut visit: impl FnMut(MovingContact)) {
         let radius = radius.min(self.scene.index.reach());
         self.scene.index.contacts(p, radius, |contact| {
@@ -154,7 +155,7 @@ impl ScenarioState {
         }
     }
 
-    /// Distance in metres from a point to the nearest solid, leaf or person, infinite when none is within
+    /// Returns the distance in metres from a point to the nearest solid, leaf or person; infinite if none is within
     /// 2 m.
     ///
     /// ```
@@ -175,24 +176,24 @@ impl ScenarioState {
         least
     }
 
-    /// Every place where smoke can be, and its extinction coefficient there in 1/m, in an order that does not
-    /// change. Where places overlap, they add up.
+    /// Returns every place where smoke can be, and its extinction coefficient in 1/m, in an order that does not
+    /// change. Where places overlap, the coefficients add up.
     pub fn smoke(&self) -> impl Iterator<Item = (SmokePlace, f64)> + '_ {
         self.has_smoke().then(|| self.scene.smoke.clouds(&self.smoke)).into_iter().flatten()
     }
 
-    /// The shapes of a place of [`ScenarioState::smoke`].
+    /// Returns the shapes of a place of [`ScenarioState::smoke`].
     pub fn smoke_shapes(&self, place: SmokePlace) -> Vec<Shape> {
         self.scene.smoke.shapes(place)
     }
 
-    /// The extinction coefficient of the smoke at a point, in 1/m.
+    /// Returns the extinction coefficient of the smoke at a point, in 1/m.
     pub fn extinction(&self, p: DVec2) -> f64 {
         self.scene.smoke.extinction(&self.smoke, p)
     }
 
-    /// The smoke along a ray in the direction of a unit vector, up to `length` metres. `stretches` is
-    /// overwritten; those of different sources may overlap, and then add up.
+    /// Writes the smoke along a ray in the direction of a unit vector, up to `length` metres, into `stretches`.
+    /// Sections of different sources may overlap, and then add up.
     pub fn smoke_along(
         &self,
         from: DVec2,
@@ -207,8 +208,9 @@ impl ScenarioState {
         }
     }
 
-    /// What a laser beam reads, and what it would have met without smoke. `stream` is the beam's own, for
-    /// example one of the robot's seed, the scan and the beam; it is drawn from for phantoms alone.
+    /// Returns the reading of a laser beam, and what it would have met without smoke. `stream` is the beam's own
+    /// random stream, for example one of the robot's seed, the scan and the beam; it is used only for phantom
+    /// echoes.
     pub fn beam(
         &self,
         laser: &Laser,
@@ -226,7 +228,7 @@ impl ScenarioState {
     }
 }
 
-/// Distance along a ray to a disc, 0 inside; `None` when it misses.
+/// Returns the distance along a ray to a disc, 0 inside; `None` if the ray misses it.
 fn to_disc(from: DVec2, direction: DVec2, (center, radius): (DVec2, f64)) -> Option<f64> {
     let to = center - from;
     let (middle, off) = (to.dot(direction), to.perp_dot(direction));

@@ -1,4 +1,4 @@
-//! A door, and how it moves.
+//! Doors, and the kinds of their motion.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,41 +10,41 @@ use crate::world::World;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Door {
-    /// The index of its doorway in [`World::doorways`].
+    /// The index of the door's doorway in [`World::doorways`].
     pub doorway: u32,
-    /// How it moves.
+    /// The kind of motion.
     pub kind: DoorKind,
-    /// The end of the doorway with the hinge, or into which it slides: seen along the doorway's longer
-    /// axis, the far end.
+    /// Whether the hinge, or the wall into which the leaf slides, is at the far end of the doorway, along the
+    /// doorway's longer axis.
     #[serde(default)]
     pub far_end: bool,
-    /// Whether it swings to the right of the doorway's longer axis, not to its left.
+    /// Whether it swings to the right of the doorway's longer axis instead of to its left.
     #[serde(default)]
     pub to_right: bool,
     /// What opens and closes it.
     pub control: DoorControl,
-    /// Mean time in seconds that it stays open, where it is timed.
+    /// Mean time in seconds for which the door stays open, if it is timed.
     pub open: f64,
-    /// Mean time in seconds that it stays closed, where it is timed.
+    /// Mean time in seconds for which the door stays closed, if it is timed.
     pub closed: f64,
-    /// Probability that it slams when it closes.
+    /// Probability that the door slams when it closes.
     pub slam: f64,
 }
 
-/// How a door moves.
+/// The kinds of motion of a door.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DoorKind {
-    /// One leaf turns by 90 degrees about an end of the doorway.
+    /// One leaf that turns by 90 degrees about an end of the doorway.
     Hinged,
-    /// Two leaves, each half as wide, turn about both ends.
+    /// Two leaves, each half as wide, that turn about both ends of the doorway.
     Double,
-    /// One leaf slides into the wall.
+    /// One leaf that slides into the wall.
     Sliding,
 }
 
 impl DoorKind {
-    /// Number of leaves.
+    /// Returns the number of leaves.
     pub fn leaves(self) -> usize {
         match self {
             DoorKind::Double => 2,
@@ -54,10 +54,10 @@ impl DoorKind {
 }
 
 impl Door {
-    /// Checks it against its world.
+    /// Checks the door against its world.
     ///
     /// # Errors
-    /// When there is no such doorway, or it is closed, and for times and probabilities out of range.
+    /// When the doorway does not exist or is closed, and when times or probabilities are out of range.
     pub(in crate::scenario) fn check(&self, world: &World) -> Result<(), SpecError> {
         match world.doorways.get(self.doorway as usize) {
             None => {

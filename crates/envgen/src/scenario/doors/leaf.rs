@@ -8,22 +8,22 @@ use super::door::{Door, DoorKind};
 use crate::geometry::{distance_to_segment, nearest_on_segment, unit_vector};
 use crate::world::Doorway;
 
-/// A leaf of a door: a line without thickness.
+/// A leaf of a door, which is a line without thickness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaf {
-    /// The end at the hinge; of a sliding leaf the end in the wall.
+    /// The end at the hinge; for a sliding leaf, the end in the wall.
     pub hinge: DVec2,
     /// The other end.
     pub tip: DVec2,
 }
 
 impl Leaf {
-    /// The nearest point of the leaf, in metres.
+    /// Returns the point of the leaf that is nearest to a point, in metres.
     pub fn nearest_point(&self, p: DVec2) -> DVec2 {
         nearest_on_segment(p, self.hinge, self.tip)
     }
 
-    /// Distance along a ray in the direction of a unit vector; `None` where it misses.
+    /// Returns the distance to the leaf along a ray in the direction of a unit vector; `None` if the ray misses it.
     pub fn distance_along(&self, from: DVec2, direction: DVec2) -> Option<f64> {
         let (to, edge) = (self.hinge - from, self.tip - self.hinge);
         let across = direction.perp_dot(edge);
@@ -37,20 +37,20 @@ impl Leaf {
     }
 }
 
-/// Where the leaves of a door can be.
+/// The positions that the leaves of a door can have.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DoorShape {
     kind: DoorKind,
     /// The end with the hinge of the first leaf, and the other end of the doorway.
     pub(crate) ends: [DVec2; 2],
-    /// Unit vector to the side that the leaves swing to.
+    /// Unit vector to the side to which the leaves swing.
     side: DVec2,
     /// Unit vector from the first end to the second.
     along: DVec2,
     pub(crate) width: f64,
 }
 
-/// Cosine and sine of the angle of a leaf at an openness.
+/// Returns cosine and sine of the angle of a leaf at an openness.
 fn leaf_direction(openness: f64) -> DVec2 {
     match openness {
         0.0 => DVec2::X,
@@ -60,7 +60,7 @@ fn leaf_direction(openness: f64) -> DVec2 {
 }
 
 impl DoorShape {
-    /// The shape of a door in its doorway, whose longer axis is its width.
+    /// Creates the shape of a door in its doorway, whose longer axis is its width.
     pub(crate) fn new(door: &Door, doorway: &Doorway) -> Self {
         let (near, far, _) = doorway.shape.long_axis();
         let along = (far - near).normalize_or(DVec2::X);
@@ -73,18 +73,18 @@ impl DoorShape {
         0.5 * (self.ends[0] + self.ends[1])
     }
 
-    /// Whether its leaves swing out of the doorway.
+    /// Whether the leaves swing out of the doorway.
     pub(crate) fn swings(&self) -> bool {
         self.kind != DoorKind::Sliding
     }
 
-    /// How far the leaves reach from the middle of the doorway, in metres.
+    /// Returns how far the leaves extend from the middle of the doorway, in metres.
     pub(crate) fn reach(&self) -> f64 {
         // The corner of a leaf that is open by 90 degrees is the farthest.
         1.2 * self.width
     }
 
-    /// The leaves at an openness from 0 to 1; none where nothing is left of a sliding one.
+    /// Returns the leaves at an openness from 0 to 1; no leaf if nothing is left of a sliding leaf.
     pub(crate) fn leaves(&self, openness: f64) -> impl Iterator<Item = Leaf> + use<> {
         let turned = |along: DVec2| {
             let turn = leaf_direction(openness);
@@ -104,7 +104,7 @@ impl DoorShape {
         leaves.into_iter().flatten()
     }
 
-    /// Distance from a point to what the leaves sweep between two opennesses, in metres; 0 inside.
+    /// Returns the distance in metres from a point to the area that the leaves sweep between two opennesses; 0 inside.
     pub(crate) fn swept_distance(&self, p: DVec2, from: f64, to: f64) -> f64 {
         let (low, high) = (from.min(to), from.max(to));
         let [a, b] = self.ends;
@@ -122,12 +122,12 @@ impl DoorShape {
         }
     }
 
-    /// Distance to all places where a leaf can be; of a sliding door to the closed leaf.
+    /// Returns the distance from a point to all positions that a leaf can have; for a sliding door, to the closed leaf.
     pub(crate) fn swing_distance(&self, p: DVec2) -> f64 {
         self.swept_distance(p, 0.0, 1.0)
     }
 
-    /// Distance from a point, relative to the hinge, to a sector of a disc.
+    /// Returns the distance from a point, relative to the hinge, to a sector of a disc.
     fn sector_distance(&self, p: DVec2, along: DVec2, radius: f64, low: f64, high: f64) -> f64 {
         // In axes where the closed leaf points along +x and opens towards +y.
         let local = DVec2::new(p.dot(along), p.dot(self.side));
@@ -140,8 +140,9 @@ impl DoorShape {
         to_edge(first).min(to_edge(last))
     }
 
-    /// The outline of what a swinging door sweeps, for a check against other solids: without the parts
-    /// nearer than `gap` metres to the doorway's middle line and its ends. Nothing for sliding doors.
+    /// Returns the outlines of the areas that a swinging door sweeps, for a check against other solids, without the
+    /// parts that are nearer than `gap` metres to the doorway's centre line and its ends. For sliding doors there
+    /// are no outlines.
     pub(crate) fn swept_outlines(&self, gap: f64) -> Vec<Vec<DVec2>> {
         const CORNERS: usize = 8;
         let outline = |hinge: DVec2, along: DVec2, radius: f64| -> Vec<DVec2> {

@@ -1,4 +1,4 @@
-//! Doors: leaves that turn or slide, and when they do.
+//! Doors: leaves that turn or slide, and the control of their motion.
 
 mod door;
 mod leaf;

@@ -1,4 +1,4 @@
-//! The motion of doors: chance, a robot or a command opens them, and they never close on a body.
+//! The motion of doors, which are opened by chance, by a robot or by a command, and never close on a body.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -12,71 +12,71 @@ use crate::scenario::spec::DoorControl;
 use crate::scenario::tick::TICKS_PER_SECOND;
 use crate::seed::Seed;
 
-/// Seconds that a door takes to open or close, and to slam shut.
+/// The times in seconds that a door takes to open or close, and to slam shut.
 const OPENING: f64 = 1.0;
 const SLAMMING: f64 = 0.15;
 
-/// A door that is triggered stays open for this many seconds after nobody is near.
+/// The time in seconds for which a triggered door stays open after nobody is near it any more.
 const HOLD: f64 = 2.0;
 const HOLD_TICKS: u64 = (HOLD * TICKS_PER_SECOND as f64) as u64;
 
-/// A robot or person nearer than this to the middle of a triggered door opens it, in metres.
+/// The distance in metres from the middle of a triggered door within which a robot or a person opens it.
 const TRIGGER: f64 = 2.0;
 
 /// A leaf stops at this distance from a body, in metres.
 pub(crate) const LEAF_GAP: f64 = 0.02;
 
-/// Where a door is, and what it does.
+/// The state of a door: its openness, and what it is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DoorState {
-    /// How far it is open: 0 is closed, 1 is open.
+    /// How far the door is open, from 0 (closed) to 1 (open).
     pub openness: f64,
-    /// Whether it is open or opening.
+    /// Whether the door is open or opening.
     pub opens: bool,
-    /// How often a body stopped it while it closed.
+    /// Number of times that a body stopped the door while it closed.
     pub stopped: u64,
     slams: bool,
-    /// Number of the next action, and the tick when it is due.
+    /// The number of the next action, and the tick at which it is due.
     action: u64,
     due: u64,
 }
 
-/// What a door is to do at once.
+/// An action that a door should begin at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DoorCommand {
-    /// Open, in at most 1 s.
+    /// Open the door, which takes at most 1 s.
     Open,
-    /// Close, in at most 1 s.
+    /// Close the door, which takes at most 1 s.
     Close,
-    /// Slam shut, in at most 0.15 s.
+    /// Slam the door shut, which takes at most 0.15 s.
     Slam,
 }
 
-/// A command that a door was given.
+/// A command that was given to a door.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GivenDoorCommand {
-    /// Ticks from the start of the scenario until the command.
+    /// Number of ticks from the start of the scenario until the command.
     pub tick: u64,
     /// The index of the door.
     pub door: usize,
-    /// What the door is to do.
+    /// The command.
     pub command: DoorCommand,
 }
 
-/// What a door needs to know of its schedule.
+/// The data from which a door computes its schedule.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DoorClock {
     pub(crate) seed: Seed,
-    /// The index of the doorway: its streams.
+    /// The index of the doorway, which selects the random streams.
     pub(crate) doorway: u64,
     pub(crate) tick: u64,
 }
 
 impl DoorClock {
-    /// Ticks of an exponentially distributed time, at least one.
+    /// Draws an exponentially distributed time in ticks, at least one.
     fn wait(&self, mean: f64, action: u64) -> u64 {
         let mut stream = self.seed.attempt("scenario/doors/wait", self.doorway, action);
         let seconds = -mean * libm::log1p(-stream.unit());
@@ -97,7 +97,8 @@ pub(crate) struct Bodies<'a> {
 }
 
 impl Bodies<'_> {
-    /// Whether one for which a test of position, radius and being a person holds is within a distance of a point.
+    /// Whether a test holds for a robot or for a person within a distance of a point. The arguments of the test are
+    /// the position, the radius, and whether it is a person.
     fn any_near(&self, p: DVec2, reach: f64, test: impl Fn(DVec2, f64, bool) -> bool) -> bool {
         self.robots.iter().any(|robot| test(robot.position, robot.radius, false))
             || self.near.any(p, reach + PERSON_RADIUS, |i| {
@@ -107,8 +108,8 @@ impl Bodies<'_> {
 }
 
 impl DoorState {
-    /// The state at the start: open or closed with the probabilities of the long run; closed where it is
-    /// triggered, and open where it is commanded.
+    /// Draws the state at the start: open or closed with the probabilities of the long run; closed if the door is
+    /// triggered, and open if it is commanded.
     pub(crate) fn new(door: &Door, clock: &DoorClock) -> Self {
         let share = door.open / (door.open + door.closed);
         let is_timed = door.control == DoorControl::Timed;
@@ -124,12 +125,12 @@ impl DoorState {
         DoorState { openness, opens, stopped: 0, slams: false, action: 1, due }
     }
 
-    /// Whether it neither opens nor closes.
+    /// Returns whether the door neither opens nor closes.
     pub fn is_still(&self) -> bool {
         self.openness == f64::from(u8::from(self.opens))
     }
 
-    /// Begins what a command says. One that is timed or triggered continues by its own law from there.
+    /// Begins a commanded action. A timed or triggered door continues with its own control from there.
     pub(crate) fn obey(&mut self, command: DoorCommand, door: &Door, tick: u64) {
         self.opens = command == DoorCommand::Open;
         self.slams = command == DoorCommand::Slam;
@@ -138,17 +139,17 @@ impl DoorState {
         }
     }
 
-    /// Whether people can walk through, and need not care for its leaves.
+    /// Whether people can walk through and need not avoid the leaves.
     pub(crate) fn is_open(&self) -> bool {
         self.opens && self.openness >= 1.0
     }
 
-    /// Its leaves.
+    /// Returns the leaves of the door.
     pub(crate) fn leaves(&self, shape: &DoorShape) -> impl Iterator<Item = Leaf> + use<> {
         shape.leaves(self.openness)
     }
 
-    /// Moves it by a tick.
+    /// Moves the door by a tick.
     pub(crate) fn step(
         &mut self,
         door: &Door,

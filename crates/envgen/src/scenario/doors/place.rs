@@ -1,4 +1,4 @@
-//! Which doorways have doors, and where their leaves can swing.
+//! The choice of doorways that have doors, and of the directions in which their leaves can swing.
 
 use std::collections::BTreeSet;
 
@@ -14,17 +14,17 @@ use crate::scenario::spec::{DoorKinds, ScenarioSpec};
 use crate::seed::Seed;
 use crate::world::{Doorway, Extent, PartId, Solid, World};
 
-/// Leaves keep this distance in metres from solids in front of their wall.
+/// The distance in metres that leaves keep from solids in front of their wall.
 const GAP: f64 = 0.02;
 
-/// A solid is listed in so many cells of an index on average.
+/// The most cells of an index in which a solid is listed, on average.
 const LISTINGS: usize = 16;
 
-/// Between an open leaf and the next solid is room for a person, in metres.
+/// The width in metres of the passage for a person between an open leaf and the next solid.
 const PASSAGE: f64 = 2.0 * PERSON_RADIUS + 0.1;
 
-/// Draws the doors of a world. Each doorway has a stream of its own, so that a doorway more or less changes
-/// no other door.
+/// Draws the doors of a world. Each doorway has its own random stream, so that adding or removing a doorway does
+/// not change any other door.
 pub(crate) fn place_doors(
     world: &World,
     spec: &ScenarioSpec,
@@ -95,10 +95,10 @@ pub(crate) fn place_doors(
     Ok(doors)
 }
 
-/// What is around open doorways.
+/// The surroundings of open doorways.
 struct Around {
     solids: Vec<(Rect, Shape)>,
-    /// Whether each is at the height of a doorway, and not only above or below all.
+    /// For each solid, whether it is at the height of a doorway and not only above or below all doorways.
     is_low: Vec<bool>,
     near_solids: GridIndex,
     near_openings: GridIndex,
@@ -122,13 +122,13 @@ impl Around {
         Around { solids, is_low, near_solids, near_openings }
     }
 
-    /// The solids that the leaves of a doorway can meet, and whether each is at the height of doorways.
+    /// Returns the solids that the leaves of a doorway can meet, each with whether it is at the height of doorways.
     fn solids_near(&self, doorway: &Doorway) -> impl Iterator<Item = (&(Rect, Shape), bool)> {
         let near = self.near_solids.at(doorway.shape.bounds().center()).iter();
         near.map(|&i| (&self.solids[i as usize], self.is_low[i as usize]))
     }
 
-    /// The doorways whose leaves can meet those of a doorway, itself included.
+    /// Returns the doorways whose leaves can meet those of a doorway, including this doorway.
     fn openings_near(&self, doorway: &Doorway) -> impl Iterator<Item = usize> {
         let near = self.near_openings.at(doorway.shape.bounds().center()).iter();
         near.map(|&i| i as usize)
@@ -141,8 +141,8 @@ fn meets(outline: &[DVec2], bounds: Rect, shape: &Shape) -> bool {
     around.is_some_and(|around| around.overlaps(bounds)) && overlap(outline, shape)
 }
 
-/// For the middle of each open doorway the numbers of those of some bounds that are within so many times the reach of the
-/// largest door, and perhaps some farther ones.
+/// Indexes, for the middle of each open doorway, the numbers of the bounds that are within a multiple of the reach
+/// of the largest door, and perhaps some farther ones.
 fn near_doorways(world: &World, bounds: impl Iterator<Item = Rect>, times: f64) -> GridIndex {
     let open = || world.doorways.iter().filter(|doorway| doorway.open);
     let reach = |doorway: &Doorway| {
@@ -159,14 +159,14 @@ fn near_doorways(world: &World, bounds: impl Iterator<Item = Rect>, times: f64) 
     })
 }
 
-/// The middle half of a door's closed leaf: its ends may touch jambs, or reach into them.
+/// Returns the middle half of a door's closed leaf. The ends of the leaf may touch jambs, or extend into them.
 fn middle_of_leaf(door: &Door, doorway: &Doorway) -> Vec<DVec2> {
     let [a, b] = DoorShape::new(door, doorway).ends;
     Shape::thick_segment(a.lerp(b, 0.25), a.lerp(b, 0.75), GAP, 0.0).corners()
 }
 
 impl DoorKinds {
-    /// The kind of a door by a draw from 0 to 2.
+    /// Returns the kind of a door for a drawn number from 0 to 2.
     fn kind(self, draw: u64) -> DoorKind {
         match (self, draw) {
             (DoorKinds::Hinged, _) | (DoorKinds::Mixed, 0) => DoorKind::Hinged,
@@ -176,7 +176,7 @@ impl DoorKinds {
     }
 }
 
-/// What must be free beyond the open leaves so that someone can walk past them.
+/// Returns the areas beyond the open leaves that must be free so that a person can walk past them.
 fn passages(door: &Door, doorway: &Doorway) -> Vec<Vec<DVec2>> {
     let shape = DoorShape::new(door, doorway);
     let passage = |Leaf { hinge, tip }: Leaf| {
@@ -186,7 +186,7 @@ fn passages(door: &Door, doorway: &Doorway) -> Vec<Vec<DVec2>> {
     shape.leaves(1.0).filter(|_| shape.swings()).map(passage).collect()
 }
 
-/// Whether a simple polygon and a shape share a point.
+/// Whether a simple polygon and a shape have a point in common.
 fn overlap(outline: &[DVec2], shape: &Shape) -> bool {
     if let Shape::Disc { center, radius } = shape {
         let near = edges(outline)

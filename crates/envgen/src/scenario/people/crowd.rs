@@ -1,4 +1,4 @@
-//! A step of all people.
+//! The step of all people.
 
 use glam::DVec2;
 
@@ -13,26 +13,28 @@ use crate::scenario::person::{MAX_CURIOUS, PERSON_RADIUS, Person, PersonState, R
 use crate::scenario::tick::{TICK, TICKS_PER_SECOND};
 use crate::seed::Seed;
 
-/// People decide on a velocity once in so many ticks, and in every tick at corners of their paths, while they step aside
-/// freely, and where they slid along a wall; between, they stop before what they would touch.
+/// The number of ticks between decisions on a velocity. People decide in every tick at corners of their paths,
+/// while they step aside freely, and where they slid along a wall. Between decisions, they stop before they would
+/// touch something.
 pub(super) const DECIDE: u64 = 5;
 
-/// The most neighbours that a person avoids: the nearest.
+/// The greatest number of neighbours that a person avoids, which are the nearest ones.
 const MAX_NEIGHBOURS: usize = 10;
 
-/// People keep a little to the right of those they meet: the tangent of the angle by which they turn.
+/// The tangent of the angle by which people turn to the right of those they meet.
 const KEEP_RIGHT: f64 = 0.06;
 
-/// Someone who left the path looks for it again after this many ticks.
+/// The number of ticks after which a person who left the path looks for it again.
 const LOOK: u64 = 4;
 
-/// Someone who does not see it searches for a new path after this many ticks.
+/// The number of ticks after which a person who does not see the path searches for a new one.
 const SEARCH: u64 = TICKS_PER_SECOND;
 
-/// Who left the path looks at more than the next corner where it is nearer than this, in metres.
+/// The distance in metres within which the next corner is not enough for a person who left the path: the person
+/// looks at further corners, too.
 const NEAR_CORNER: f64 = 1.0;
 
-/// More than rounding changes a distance by, in metres.
+/// An upper bound, in metres, of the rounding error of a distance.
 pub(super) const ROUNDING: f64 = 1e-6;
 
 /// All people.
@@ -40,28 +42,28 @@ pub(super) const ROUNDING: f64 = 1e-6;
 pub(crate) struct Crowd {
     pub(crate) people: Vec<PersonState>,
     pub(crate) near: Neighbourhood,
-    /// How many people go to each place, or are there.
+    /// Number of people who go to each place, or are there.
     pub(super) taken: Vec<u32>,
-    /// The tick until which a person needs no decision: see the module `quiet`.
+    /// The tick until which each person needs no decision; see the module `quiet`.
     pub(super) quiet_until: Vec<u64>,
-    /// Whether a person can come near a door before the lists of neighbours are rebuilt.
+    /// For each person, whether the person can come near a door before the lists of neighbours are rebuilt.
     comes_near_doors: Vec<bool>,
     pub(super) sights: Sights,
     wishes: Vec<Wish>,
     planes: Vec<HalfPlane>,
-    /// Those who are looked at in a tick.
+    /// The people who are looked at in a tick.
     awake: Vec<u32>,
 }
 
-/// The velocity that a person takes if nothing is in front of it.
+/// The velocity that a person takes if nothing is in front of the person.
 #[derive(Clone, Copy, Debug)]
 struct Wish {
     velocity: DVec2,
     /// Whether nobody has to be avoided.
     is_free: bool,
-    /// Whether it leads along the path, where there are no solids.
+    /// Whether the velocity leads along the path, on which there are no solids.
     is_clear: bool,
-    /// How many metres the person can walk in any direction without touching a solid, where that is known.
+    /// The distance in metres that the person can walk in any direction without touching a solid, if it is known.
     room: f64,
     /// Whether nobody can be touched until the next decision.
     is_apart: bool,
@@ -164,7 +166,7 @@ impl Crowd {
         self.sights.restart(self.near.pair_count(), doors);
     }
 
-    /// Whether a person still wishes what was decided before: see [`DECIDE`].
+    /// Whether a person keeps the velocity that was decided before; see [`DECIDE`].
     fn keeps_wish(&self, i: usize) -> bool {
         let (person, wish) = (&self.people[i], &self.wishes[i]);
         if person.task != Task::Walk {
@@ -185,18 +187,18 @@ impl Crowd {
             && person.path.last().is_some_and(is_far)
     }
 
-    /// Lets a person decide again in this tick.
+    /// Makes a person decide again in this tick.
     pub(super) fn forget_wish(&mut self, i: usize) {
         self.wishes[i] = Wish::STAND;
     }
 
-    /// The doors whose leaves can be near a point to which a person comes.
+    /// Returns the doors whose leaves can be near a point to which a person comes.
     #[inline]
     pub(super) fn zone<'a>(&self, i: usize, p: DVec2, around: &Surroundings<'a>) -> &'a [u32] {
         if self.comes_near_doors[i] { around.at(around.door_zones, p) } else { &[] }
     }
 
-    /// The velocity that a person wishes to have.
+    /// Returns the velocity that a person wishes to have.
     fn wish(&mut self, i: usize, around: &Surroundings<'_>) -> Wish {
         if self.walks_on(i, around) {
             return Wish { velocity: self.people[i].velocity, ..Wish::STAND };
@@ -242,7 +244,7 @@ impl Crowd {
         self.avoiding(i, (preferred, max_speed, is_clear), around)
     }
 
-    /// The velocity nearest to a preferred one that avoids others.
+    /// Returns the velocity nearest to a preferred one that avoids others.
     fn avoiding(
         &mut self,
         i: usize,
@@ -344,7 +346,7 @@ impl Crowd {
         Wish { velocity, is_free: false, is_clear: false, room, is_apart }
     }
 
-    /// Moves a person as wished, as far as that is possible.
+    /// Moves a person with the wished velocity, as far as possible.
     fn follow(&mut self, i: usize, around: &Surroundings<'_>) {
         let wish = self.wishes[i];
         let from = self.people[i].position;
@@ -382,7 +384,7 @@ impl Crowd {
         }
     }
 
-    /// Sets the velocity of a person who moved, and what follows from the new position.
+    /// Sets the velocity of a person who moved, and updates what depends on the new position.
     fn turn(&mut self, i: usize, velocity: DVec2, is_free: bool, around: &Surroundings<'_>) {
         let person = &mut self.people[i];
         if person.velocity != velocity {
@@ -454,7 +456,7 @@ impl Crowd {
         }
     }
 
-    /// A velocity without its part towards the nearest wall.
+    /// Returns a velocity without its component towards the nearest wall.
     fn along_wall(&self, p: DVec2, velocity: DVec2, around: &Surroundings<'_>) -> DVec2 {
         match around.space.index.nearest(p) {
             Some(contact) if contact.distance > 0.0 => {
@@ -500,7 +502,7 @@ impl PersonState {
     }
 }
 
-/// Lists the indices of those for whom something holds.
+/// Lists the indices for which something holds.
 #[inline]
 fn select(indices: &mut Vec<u32>, holds: impl ExactSizeIterator<Item = bool>) {
     indices.resize(holds.len(), 0);
@@ -513,7 +515,7 @@ fn select(indices: &mut Vec<u32>, holds: impl ExactSizeIterator<Item = bool>) {
     indices.truncate(count);
 }
 
-/// The whole ticks of a time in seconds, at least one.
+/// Returns a time in seconds as whole ticks, at least one.
 pub(super) fn ticks(seconds: f64) -> u64 {
     ((seconds * TICKS_PER_SECOND as f64).round() as u64).max(1)
 }

@@ -1,4 +1,4 @@
-//! Whether a person may step where a door's leaves are or will be.
+//! The rule whether a person may step where a door's leaves are or will be.
 
 use glam::DVec2;
 
@@ -6,11 +6,12 @@ use crate::geometry::segments_cross;
 use crate::scenario::PERSON_RADIUS;
 use crate::scenario::doors::{DoorShape, DoorState, LEAF_GAP};
 
-/// People keep this far from the swing of a door that cannot open because of them, in metres.
+/// The distance in metres that people keep from the swing of a door that cannot open because of them.
 pub(super) const OFF_SWINGS: f64 = PERSON_RADIUS + 2.0 * LEAF_GAP;
 
-/// Whether a step touches no leaf of a door, and does not enter the space of leaves that move, or of a closed
-/// door to which the person goes. Who is in the space of a door that waits to open may walk in it to leave it.
+/// Whether a step touches no leaf of a door, and does not enter the space of moving leaves, or that of a closed
+/// door to which the person goes. A person who is in the space of a door that waits to open may walk in it to leave
+/// it.
 pub(super) fn passes_door(
     shape: &DoorShape,
     state: &DoorState,

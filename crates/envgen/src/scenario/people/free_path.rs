@@ -1,4 +1,4 @@
-//! Paths between people, robots and leaves as they are now, for those whom they hold up.
+//! Paths between people, robots and leaves at their current positions, for people whom they hold up.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -11,27 +11,28 @@ use crate::geometry::{distance_between_segments, distance_to_segment, unit_vecto
 use crate::scenario::doors::Leaf;
 use crate::scenario::person::PERSON_RADIUS;
 
-/// Half the side of the window in which paths are searched, in cells.
+/// Half the side in cells of the window in which paths are searched.
 const WINDOW: isize = 25;
 const SIDE: usize = 2 * WINDOW as usize + 1;
 
-/// Paths begin at a cell at most this many columns and rows away, or after a first step in one of so many directions
-/// where others and walls leave no other.
+/// The greatest number of columns and rows to the cell at which a path begins. If others and walls leave no such
+/// cell, the path begins after a first step in one of so many directions.
 const ENTRY: isize = 3;
 const DIRECTIONS: u32 = 32;
 
-/// A path may come this much nearer to what its beginning touches, in metres: rounding.
+/// The distance in metres by which a path may come nearer to what its beginning touches, due to rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What may block a path, at this moment.
+/// The current positions of everything that may block a path.
 pub(super) struct Blockers {
-    /// Positions of the others, and how far from each the person must stay, in metres.
+    /// The positions of the others, and the distance from each that the person must keep, in metres.
     pub(super) discs: Vec<(DVec2, f64)>,
     pub(super) leaves: Vec<Leaf>,
 }
 
 impl Blockers {
-    /// Whether a person can walk from `a` to `b` in a straight line; who touches something at `a` may leave it.
+    /// Whether a person can walk from `a` to `b` in a straight line. A person who touches something at `a` may
+    /// leave it.
     fn leave_free(&self, a: DVec2, b: DVec2) -> bool {
         let least = |needed: f64, now: f64| needed.min(now) - ROUNDING;
         self.discs
@@ -44,8 +45,8 @@ impl Blockers {
     }
 }
 
-/// The shortest path on the grid from a point to a cell that is a goal: the cell and the corners, the last
-/// first.
+/// Returns the shortest path on the grid from a point to a cell that is a goal: the cell, and the corners with the
+/// last one first.
 pub(super) fn free_path(
     space: &FreeSpace,
     from: DVec2,
@@ -121,7 +122,7 @@ pub(super) fn free_path(
     None
 }
 
-/// Where the path to a cell turns, the last corner first.
+/// Returns the corners of the path to a cell, with the last one first.
 fn corners(last: usize, before: impl Fn(usize) -> Option<usize>, space: &FreeSpace) -> Vec<DVec2> {
     let cells =
         std::iter::successors(Some(last), |&cell| before(cell).filter(|&cell| cell != usize::MAX));

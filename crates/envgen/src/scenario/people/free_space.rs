@@ -1,4 +1,4 @@
-//! Where people can walk: exact clearances, and a grid on which paths are searched.
+//! The space in which people can walk: exact clearances, and a grid on which paths are searched.
 
 use std::sync::Arc;
 
@@ -14,54 +14,56 @@ use crate::scenario::spec::ScenarioSpec;
 use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::World;
 
-/// Clearances and contacts are known up to this distance in metres.
+/// The greatest distance in metres up to which clearances and contacts are known.
 pub(in crate::scenario) const REACH: f64 = 2.0;
 
-/// Side of a cell in metres, where the world is not too large for it.
+/// Side of a cell in metres, unless the world is too large for it.
 const CELL: f64 = 0.2;
 
-/// The most cells: more are made larger, so that narrow passages of very large worlds may be missed.
+/// The greatest number of cells. In larger worlds, cells are larger, so that narrow passages of very large worlds
+/// may be missed.
 const MAX_CELLS: f64 = (1 << 20) as f64;
 
-/// Paths keep this much more than a person's radius from solids, so that rounding leads nobody into a wall.
+/// The distance in metres, in addition to a person's radius, that paths keep from solids, so that rounding errors
+/// lead nobody into a wall.
 pub(super) const CARE: f64 = 0.01;
 
-/// Someone who was pushed against a solid may start this much nearer to it, in metres.
+/// The distance in metres by which the start of a person who was pushed against a solid may be nearer to it.
 const TOUCH: f64 = 0.002;
 
-/// Rounding changes a distance by less than this, in metres.
+/// An upper bound, in metres, of the rounding error of a distance.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// Rounding to `f32` changes the clearance of a cell by less than this, in metres.
+/// An upper bound, in metres, of the error of a cell's clearance that is rounded to `f32`.
 const CELL_ROUNDING: f64 = 1e-6;
 
-/// Near solids lines are looked at in pieces of this length in metres.
+/// Length in metres of the pieces in which lines near solids are examined.
 const PIECE: f64 = 1.0;
 
-/// The ground is looked at in steps of this length in metres.
+/// Length in metres of the steps in which the ground is examined.
 const STEP: f64 = 0.1;
 
 /// The eight neighbours of a cell, counter-clockwise from the right.
 pub(super) const NEIGHBOURS: [(isize, isize); 8] =
     [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
 
-/// Costs of a step to a neighbour to the side and to a diagonal one: nearly as 1 to the square root of 2.
+/// Costs of a step to the side and of a diagonal step; their ratio is nearly that of 1 to the square root of 2.
 pub(super) const COSTS: [u32; 2] = [5, 7];
 
 /// The free space of a disc of a person's radius.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeSpace {
     pub(crate) frame: GridFrame,
-    /// Which neighbours can be reached from each cell in a straight line.
+    /// For each cell, the neighbours that can be reached from it in a straight line.
     pub(super) moves: Vec<u8>,
-    /// Clearance at the middle of each cell, at most [`REACH`].
+    /// Clearance at the centre of each cell, at most [`REACH`].
     clearances: Vec<f32>,
     pub(super) index: Arc<ClearanceIndex>,
     /// The ground on which people do not walk.
     surfaces: SurfaceIndex,
-    /// The leaves of swinging doors where they are open.
+    /// The leaves of swinging doors in their open position.
     open_leaves: Vec<Leaf>,
-    /// The leaves within reach of each cell.
+    /// For each cell, the leaves within reach.
     near_leaves: CellBuckets<u32>,
 }
 
@@ -114,24 +116,24 @@ impl FreeSpace {
         !self.surfaces.at(p).is_barrier()
     }
 
-    /// The leaves of open doors within reach of a point, and perhaps a few more.
+    /// Returns the leaves of open doors within reach of a point, and perhaps a few more.
     fn leaves_near(&self, p: DVec2) -> impl Iterator<Item = Leaf> + '_ {
         let leaves = self.frame.index_at(p).map_or(&[][..], |cell| self.near_leaves.of(cell));
         leaves.iter().map(|&i| self.open_leaves[i as usize])
     }
 
-    /// Distance to the nearest solid or leaf of a door that is open, infinite beyond [`REACH`].
+    /// Returns the distance to the nearest solid or leaf of an open door; infinite beyond [`REACH`].
     fn clearance(&self, p: DVec2) -> f64 {
         let leaves = self.leaves_near(p).map(|leaf| distance_to_segment(p, leaf.hinge, leaf.tip));
         leaves.fold(self.index.clearance(p), f64::min)
     }
 
-    /// Whether a person fits into the middle of a cell, with some care.
+    /// Whether a person fits at the centre of a cell, with the margin [`CARE`].
     pub(super) fn is_free(&self, cell: usize) -> bool {
         f64::from(self.clearances[cell]) >= PERSON_RADIUS + CARE
     }
 
-    /// Clearance at the middle of a cell, at most [`REACH`].
+    /// Returns the clearance at the centre of a cell, at most [`REACH`].
     pub(super) fn cell_clearance(&self, cell: usize) -> f64 {
         f64::from(self.clearances[cell])
     }
@@ -153,12 +155,12 @@ impl FreeSpace {
         moves
     }
 
-    /// Whether a person with some care can walk from `a` to `b` in a straight line.
+    /// Whether a person can walk from `a` to `b` in a straight line, with the margin [`CARE`].
     pub(super) fn is_clear(&self, a: DVec2, b: DVec2) -> bool {
         self.is_clear_for(PERSON_RADIUS + CARE, a, b)
     }
 
-    /// As [`FreeSpace::is_clear`] for a person who was pushed to `a`, perhaps with less care.
+    /// Like [`FreeSpace::is_clear`], for a person who was pushed to `a`, perhaps with a smaller margin.
     pub(super) fn is_clear_from(&self, a: DVec2, b: DVec2) -> bool {
         const MOST: f64 = PERSON_RADIUS + CARE;
         let least = self.clearance_by_cell(a);
@@ -166,7 +168,7 @@ impl FreeSpace {
         self.is_clear_for((clearance - ROUNDING).clamp(PERSON_RADIUS - TOUCH, MOST), a, b)
     }
 
-    /// As [`FreeSpace::is_clear`] without any care, and whether or not an open leaf is in front: it may close.
+    /// Like [`FreeSpace::is_clear`], but without a margin, and ignoring open leaves, which may close.
     pub(super) fn is_squeezed_clear(&self, a: DVec2, b: DVec2) -> bool {
         self.index.is_clear_along(a, b, PERSON_RADIUS - TOUCH) && self.is_firm_along(a, b)
     }
@@ -194,8 +196,8 @@ impl FreeSpace {
         }
     }
 
-    /// Less than the distance from a point to the nearest solid or leaf of a door that is open: what the middle of its
-    /// cell tells.
+    /// Returns a lower bound of the distance from a point to the nearest solid or leaf of an open door, from the
+    /// clearance at the centre of its cell.
     #[inline]
     fn clearance_by_cell(&self, p: DVec2) -> f64 {
         self.frame.cell_at(p).map_or(0.0, |(col, row)| {
@@ -225,15 +227,15 @@ impl FreeSpace {
         (0..=steps as usize).all(|k| self.is_firm(a.lerp(b, k as f64 / steps)))
     }
 
-    /// Whether a person fits at a point, solids alone considered.
+    /// Whether a person fits at a point, considering only solids.
     pub(crate) fn fits(&self, p: DVec2) -> bool {
         let is_off_solids =
             self.clearance_by_cell(p) >= PERSON_RADIUS || self.index.clearance(p) >= PERSON_RADIUS;
         is_off_solids && self.is_firm(p)
     }
 
-    /// For each cell whether it is in the part of the free space that is used: where `start` is, or otherwise
-    /// the largest.
+    /// Returns for each cell whether it is in the part of the free space that is used: the part that contains
+    /// `start`, or otherwise the largest part.
     pub(super) fn region(&self, start: Option<DVec2>) -> Vec<bool> {
         const NONE: u32 = u32::MAX;
         let mut regions = vec![NONE; self.frame.len()];
@@ -268,7 +270,7 @@ impl FreeSpace {
         regions.iter().map(|&region| region != NONE && Some(region) == used).collect()
     }
 
-    /// The cells next to a cell that can be reached from it, with their directions.
+    /// Returns the cells next to a cell that can be reached from it, with their directions.
     pub(super) fn reachable(&self, cell: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let moves = self.moves[cell];
         NEIGHBOURS
@@ -278,7 +280,7 @@ impl FreeSpace {
             .filter_map(move |(i, &(right, up))| Some((i, self.frame.neighbour(cell, right, up)?)))
     }
 
-    /// The error for a number of people of which only `fit` fit.
+    /// Returns the error for a number of people of which only `fit` fit.
     pub(crate) fn too_many(people: usize, fit: usize) -> SpecError {
         let setting = ScenarioSpec::setting("people");
         if fit == 0 {

@@ -1,4 +1,4 @@
-//! Where people go, and when they go elsewhere.
+//! The choice of the places to which people go, and of the time when they change their goal.
 
 use glam::DVec2;
 
@@ -7,14 +7,14 @@ use super::surroundings::{Surroundings, nearest_robot};
 use crate::scenario::TICKS_PER_SECOND;
 use crate::scenario::person::{PersonState, Reaction, Task};
 
-/// Someone who comes no farther than this many metres, or than a walk of so many seconds, within [`PATIENCE`] ticks
-/// goes elsewhere.
+/// The progress that a person must make within [`PATIENCE`] ticks, or else goes elsewhere: this distance in metres,
+/// or a walk of so many seconds.
 const PROGRESS: f64 = 0.4;
 const PROGRESS_TIME: f64 = 1.5;
 const PATIENCE: u64 = 3 * TICKS_PER_SECOND;
 
-/// How many goals are tried before a person waits a second, and how many by one who is blocked and looks for
-/// one that is not ahead.
+/// The number of goals that are tried before a person waits a second, and the number for a person who is blocked
+/// and looks for a goal that is not ahead.
 const TRIES: u32 = 8;
 const BLOCKED_TRIES: u32 = 32;
 
@@ -41,7 +41,7 @@ impl Crowd {
         }
     }
 
-    /// Starts and ends reactions; whether the person reacts.
+    /// Starts and ends reactions; returns whether the person reacts.
     fn react(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
         let reaction = around.people[i].reaction;
         let Some((range, seconds)) = reaction.trigger() else { return false };
@@ -79,7 +79,7 @@ impl Crowd {
         true
     }
 
-    /// Sends a person to a new place; one who is blocked at first not ahead.
+    /// Sends a person to a new place. A blocked person first tries places that are not ahead.
     fn depart(&mut self, i: usize, is_blocked: bool, around: &Surroundings<'_>) {
         let person = &mut self.people[i];
         let number = i as u64;
@@ -129,7 +129,7 @@ impl Crowd {
         }
     }
 
-    /// Lets a person walk to a place.
+    /// Makes a person walk to a place.
     pub(super) fn walk(&mut self, i: usize, place: u32, path: Vec<DVec2>) {
         let person = &mut self.people[i];
         if let Some(old) = person.place.replace(place) {
@@ -144,7 +144,7 @@ impl Crowd {
 }
 
 impl PersonState {
-    /// Notes where and when a person who walks at a speed last came forward.
+    /// Records where and when a person who walks at a speed last made progress.
     pub(super) fn note_progress(&mut self, speed: f64, tick: u64) {
         let progress = PROGRESS.min(PROGRESS_TIME * speed);
         if self.position.distance_squared(self.moved.0) > progress * progress {
@@ -153,13 +153,13 @@ impl PersonState {
     }
 }
 
-/// The tick from which a person has waited long enough for others to move aside: not all equally long, so that one of two
-/// gives in.
+/// Returns the tick from which a person has waited long enough for others to move aside. The time differs between
+/// people, so that one of two gives in.
 pub(super) fn impatient_from(i: usize, person: &PersonState) -> u64 {
     person.moved.1 + PATIENCE + (7 * i as u64 + 13 * person.draws) % PATIENCE + 1
 }
 
-/// Whether a person has waited that long. Most have not waited for the shortest time, which is asked first.
+/// Whether a person has waited that long. Most people have not waited for the shortest time, which is tested first.
 fn is_impatient(i: usize, person: &PersonState, tick: u64) -> bool {
     tick - person.moved.1 > PATIENCE && tick >= impatient_from(i, person)
 }

@@ -1,4 +1,4 @@
-//! People whom others hold up, and who hold up doors.
+//! People who are held up by others, and people who hold up doors.
 
 use std::f64::consts::TAU;
 
@@ -13,34 +13,37 @@ use crate::geometry::{segments_cross, unit_vector};
 use crate::scenario::person::{PersonState, Task};
 use crate::scenario::{PERSON_RADIUS, TICKS_PER_SECOND};
 
-/// Someone who gave up a goal this often without coming farther than this many metres looks for a path between
-/// the others.
+/// The number of goals that a person must give up without moving by more than this many metres, before the person
+/// looks for a path between the others.
 const HELD_UP: u32 = 3;
 const HELD_UP_WITHIN: f64 = 0.5;
 
-/// Those who find no place go aside this far, in metres, and those who find no room there step back this far.
+/// The distance in metres that people go aside who find no place, and the distance that those step back who find no
+/// room there.
 const ASIDE: f64 = 2.0;
 const STEP_BACK: f64 = 1.0;
 
-/// Someone who gave up a goal this often here shuffles every other second, at most at this speed in m/s: discs can
-/// block each other between walls for good, and small random steps free them.
+/// The number of goals that a person must give up at a place before the person shuffles every other second, and the
+/// greatest speed of shuffling in m/s. Discs can block each other between walls permanently, and small random steps
+/// free them.
 const JAMMED: u32 = 10;
 const SHUFFLE: f64 = 0.3;
 
-/// People notice those who are held up within this distance in metres, once in so many ticks.
+/// The distance in metres within which people notice others who are held up, and the number of ticks between such
+/// checks.
 pub(super) const JAM: f64 = 1.5;
 const NOTICE: u64 = 10;
 
-/// Blockers whose middle is farther away than this are left out, in metres.
+/// The distance in metres beyond which blockers are left out.
 const BLOCKERS: f64 = 6.0;
 
 impl PersonState {
-    /// Whether the person gave up several goals somewhere, and reached none since.
+    /// Whether the person gave up several goals at some place, and reached no goal since.
     pub(super) fn was_held_up(&self) -> bool {
         self.held_up.1 >= HELD_UP
     }
 
-    /// Whether the person gave up several goals here.
+    /// Whether the person gave up several goals at the current place.
     fn is_held_up(&self) -> bool {
         let p = self.held_up.0;
         self.was_held_up() && p.distance_squared(self.position) < HELD_UP_WITHIN * HELD_UP_WITHIN
@@ -48,8 +51,8 @@ impl PersonState {
 }
 
 impl Crowd {
-    /// Whether a person who is not held up comes to others who are: who would only shut them in. Asked once in a
-    /// while.
+    /// Whether a person who is not held up comes to others who are, and would only shut them in. It is checked at
+    /// intervals.
     pub(super) fn comes_to_jam(&self, i: usize, around: &Surroundings<'_>) -> bool {
         if !(around.tick + i as u64).is_multiple_of(NOTICE) || self.people[i].is_held_up() {
             return false;
@@ -61,7 +64,7 @@ impl Crowd {
         })
     }
 
-    /// The velocity of a person who shuffles, as those do whom others hold up for long.
+    /// Returns the velocity of a person who shuffles, as people do whom others hold up for a long time.
     pub(super) fn shuffle(&self, i: usize, around: &Surroundings<'_>) -> Option<DVec2> {
         let person = &self.people[i];
         let (second, number) = (around.tick / TICKS_PER_SECOND, i as u64);
@@ -73,7 +76,7 @@ impl Crowd {
         })
     }
 
-    /// Notes that a person is blocked; whether the person is held up now.
+    /// Records that a person is blocked; returns whether the person is held up now.
     pub(super) fn note_block(&mut self, i: usize) -> bool {
         let person = &mut self.people[i];
         let (p, times) = person.held_up;
@@ -82,8 +85,8 @@ impl Crowd {
         person.is_held_up()
     }
 
-    /// Sends a person to the nearest free place to which a path between all others leads, aside where there is
-    /// none, or a step back where there is no room; whether a path leads away.
+    /// Sends a person to the nearest free place to which a path between all others leads; if there are no such
+    /// places, aside; and if there is no room, a step back. Returns whether a path leads away.
     pub(super) fn leave_between_others(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
         let Surroundings { space, routes, door_zones, .. } = *around;
         let from = self.people[i].position;
@@ -134,7 +137,7 @@ impl Crowd {
         self.near.of(i).iter().map(|other| &self.people[other.person as usize])
     }
 
-    /// Everything near a person that may move.
+    /// Returns everything near a person that may move.
     fn blockers(&self, i: usize, around: &Surroundings<'_>) -> Blockers {
         let p = self.people[i].position;
         let others = self.others_near(i).map(|other| other.position);
@@ -148,7 +151,7 @@ impl Crowd {
         }
     }
 
-    /// The door that cannot swing open because of a person, unless the person leaves in any case.
+    /// Returns the door that cannot swing open because of a person, unless the person leaves in any case.
     pub(super) fn blocks_door(&self, i: usize, around: &Surroundings<'_>) -> Option<usize> {
         let person = &self.people[i];
         let blocks = |door: &usize| {
@@ -167,7 +170,7 @@ impl Crowd {
         self.zone(i, person.position, around).iter().map(|&door| door as usize).find(blocks)
     }
 
-    /// The point to which a person steps aside for a door.
+    /// Returns the point to which a person steps aside for a door.
     pub(super) fn aside(
         &mut self,
         i: usize,

@@ -62,7 +62,7 @@ pub(super) fn place_people(
 }
 
 impl Reactions {
-    /// The reaction of a person by a draw from 0 to 4.
+    /// Returns the reaction of a person for a drawn number from 0 to 4.
     fn reaction(self, draw: u64) -> Reaction {
         const ALL: [Reaction; 5] = [
             Reaction::Regular,
@@ -83,10 +83,10 @@ impl Reactions {
 }
 
 impl Person {
-    /// Checks it against its world, other people and doors.
+    /// Checks the person against the world, other people and doors.
     ///
     /// # Errors
-    /// When it is not in free space, and for speeds out of range.
+    /// When the person is not in free space, and when the speed is out of range.
     pub(super) fn check(&self, space: &FreeSpace) -> Result<(), SpecError> {
         if !(0.05..=MAX_SPEED).contains(&self.speed) {
             let allowed = format!("a number from 0.05 to {MAX_SPEED}");

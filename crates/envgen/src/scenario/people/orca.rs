@@ -1,54 +1,54 @@
 //! Optimal reciprocal collision avoidance.
 //!
-//! J. van den Berg, S. J. Guy, M. Lin and D. Manocha, Reciprocal n-body collision avoidance, Robotics
-//! Research, 2011, <https://doi.org/10.1007/978-3-642-19457-3_1>. Every other disc, and the nearest point of
-//! every wall, allows a half-plane of velocities; a linear program finds the allowed velocity that is nearest
-//! to the preferred one.
+//! Source: J. van den Berg, S. J. Guy, M. Lin and D. Manocha, Reciprocal n-body collision avoidance, Robotics
+//! Research, 2011, <https://doi.org/10.1007/978-3-642-19457-3_1>. Every other disc, and the nearest point of every
+//! wall, permits a half-plane of velocities. A linear program finds the permitted velocity that is nearest to the
+//! preferred one.
 
 use glam::DVec2;
 
-/// Time in seconds ahead for which discs avoid each other.
+/// The time horizon in seconds for which discs avoid each other.
 pub(crate) const DISC_HORIZON: f64 = 2.0;
 
-/// Time in seconds ahead for which discs avoid walls.
+/// The time horizon in seconds for which discs avoid walls.
 pub(crate) const WALL_HORIZON: f64 = 1.0;
 
-/// Half-planes whose borders differ by less than this angle in radians are parallel.
+/// The angle in radians below which the borders of half-planes are parallel.
 const PARALLEL: f64 = 1e-9;
 
-/// A disc that moves.
+/// A moving disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Disc {
     pub(crate) position: DVec2,
     pub(crate) velocity: DVec2,
     pub(crate) radius: f64,
-    /// Its share of the effort to avoid others, in proportion to theirs; 0 for one that avoids nobody.
+    /// The disc's share of the effort to avoid others, in proportion to their shares; 0 for a disc that avoids nobody.
     pub(crate) share: f64,
 }
 
-/// A half-plane of velocities: those on the left of a directed line.
+/// A half-plane of velocities: those to the left of a directed line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct HalfPlane {
     pub(crate) point: DVec2,
-    /// Unit vector along its border.
+    /// Unit vector along the border.
     pub(crate) direction: DVec2,
 }
 
 impl HalfPlane {
-    /// The half-plane on the side of a border that its unit normal points to.
+    /// Creates the half-plane on the side of a border to which its unit normal points.
     fn on_side(point: DVec2, normal: DVec2) -> Self {
         HalfPlane { point, direction: -normal.perp() }
     }
 
-    /// How far a velocity is outside, negative inside.
+    /// Returns how far a velocity is outside the half-plane; negative inside.
     #[inline]
     pub(crate) fn excess(&self, velocity: DVec2) -> f64 {
         (velocity - self.point).perp_dot(self.direction)
     }
 }
 
-/// The velocities with which `me` avoids another disc for [`DISC_HORIZON`], or leaves it within a step of
-/// `dt` seconds where the two overlap.
+/// Returns the velocities with which `me` avoids another disc for [`DISC_HORIZON`] or, if the two overlap,
+/// separates from it within a step of `dt` seconds.
 pub(crate) fn avoid(me: &Disc, other: &Disc, dt: f64) -> HalfPlane {
     let to = other.position - me.position;
     let relative = me.velocity - other.velocity;
@@ -85,8 +85,8 @@ pub(crate) fn avoid(me: &Disc, other: &Disc, dt: f64) -> HalfPlane {
     HalfPlane::on_side(me.velocity + change * share, normal)
 }
 
-/// The velocities with which a disc stays off the nearest point of a wall for [`WALL_HORIZON`]. To stand
-/// still is always one of them.
+/// Returns the velocities with which a disc does not touch the nearest point of a wall for [`WALL_HORIZON`].
+/// Velocity zero is always among them.
 pub(crate) fn keep_off(position: DVec2, radius: f64, wall: DVec2) -> HalfPlane {
     let to = wall - position;
     let distance = to.length();
@@ -94,8 +94,9 @@ pub(crate) fn keep_off(position: DVec2, radius: f64, wall: DVec2) -> HalfPlane {
     HalfPlane::on_side(-normal * ((distance - radius).max(0.0) / WALL_HORIZON), normal)
 }
 
-/// The velocity of at most `max_speed` that is allowed by all half-planes and nearest to `preferred`. Where
-/// no velocity is, the first `walls` half-planes hold and the greatest excess over the others is least.
+/// Returns the velocity of at most `max_speed` that all half-planes permit and that is nearest to `preferred`. If
+/// no velocity is permitted, the first `walls` half-planes hold, and the greatest excess over the others is
+/// minimal.
 pub(crate) fn solve(planes: &[HalfPlane], walls: usize, max_speed: f64, preferred: DVec2) -> DVec2 {
     match nearest(planes, max_speed, Aim::Point(preferred)) {
         Ok(velocity) => velocity,
@@ -104,7 +105,7 @@ pub(crate) fn solve(planes: &[HalfPlane], walls: usize, max_speed: f64, preferre
     }
 }
 
-/// What a linear program looks for.
+/// The objective of a linear program.
 #[derive(Clone, Copy)]
 enum Aim {
     /// The value nearest to a point.
@@ -113,10 +114,10 @@ enum Aim {
     Far(DVec2),
 }
 
-/// The best value in a disc and in all half-planes; otherwise the first half-plane that leaves no value,
-/// and the best value for those before.
+/// Returns the best value in a disc and in all half-planes; otherwise the first half-plane that leaves no value,
+/// and the best value for those before it.
 ///
-/// Incremental, as in M. de Berg et al., Computational Geometry, 2008, section 4.3,
+/// The algorithm is incremental, as in M. de Berg et al., Computational Geometry, 2008, section 4.3,
 /// <https://doi.org/10.1007/978-3-540-77974-2>, in the given order.
 fn nearest(planes: &[HalfPlane], radius: f64, aim: Aim) -> Result<DVec2, (usize, DVec2)> {
     let mut best = match aim {
@@ -132,7 +133,7 @@ fn nearest(planes: &[HalfPlane], radius: f64, aim: Aim) -> Result<DVec2, (usize,
     Ok(best)
 }
 
-/// The best value on the border of a half-plane, in a disc and in other half-planes.
+/// Returns the best value on the border of a half-plane, in a disc and in other half-planes.
 fn on_border(plane: &HalfPlane, others: &[HalfPlane], radius: f64, aim: Aim) -> Option<DVec2> {
     let HalfPlane { point, direction } = *plane;
     let middle = -point.dot(direction);
@@ -168,7 +169,7 @@ fn on_border(plane: &HalfPlane, others: &[HalfPlane], radius: f64, aim: Aim) -> 
     Some(point + direction * at)
 }
 
-/// The value whose greatest excess over the half-planes behind the first `walls` is least, which hold.
+/// Returns the value in the first `walls` half-planes whose greatest excess over the other half-planes is least.
 fn least_excess(
     planes: &[HalfPlane],
     walls: usize,

@@ -1,4 +1,4 @@
-//! Where people begin, and where they go.
+//! The places at which people begin, and to which they go.
 
 use glam::DVec2;
 
@@ -9,18 +9,18 @@ use crate::scenario::rooms::rooms_of_cells;
 use crate::seed::Seed;
 use crate::world::World;
 
-/// People stand at least this far from a doorway's middle, beyond half its width, in metres.
+/// The least distance in metres of a person from a doorway's middle, beyond half its width.
 const OFF_DOORWAYS: f64 = 0.7;
 
-/// Clearance in metres from which others can mostly pass beside a place.
+/// The clearance in metres from which others can mostly pass beside a place.
 pub(super) const ROOMY: f64 = 0.4;
 
-/// Distances in metres between places: the second is tried where there are too few with the first.
+/// Distances in metres between places. The second is tried if the first gives too few places.
 const SPACINGS: [f64; 2] = [1.2, 2.0 * PERSON_RADIUS + 0.1];
 
-/// Middles of cells where people can stand, at most `most`, in random order and away from each other. Every
-/// room, and the rest of the world, is as likely as every other. The first ones are the same for every `most`
-/// that they are enough for.
+/// Returns the centres of cells at which people can be, at most `most`, in random order and at a distance from each
+/// other. Every room is as likely as every other, and as the rest of the world. The first places are the same for
+/// every `most` for which they are enough.
 pub(crate) fn find_places(
     space: &FreeSpace,
     world: &World,
@@ -71,7 +71,7 @@ pub(crate) fn find_places(
     places
 }
 
-/// The first cells that are at least `spacing` metres from those before.
+/// Returns the first cells that are at least `spacing` metres from those before them.
 fn spread(
     space: &FreeSpace,
     order: &[(bool, f64, usize)],

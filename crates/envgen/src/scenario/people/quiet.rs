@@ -1,5 +1,5 @@
-//! People who need no decision for some ticks: who stand, and who walk straight on while nobody in sight is on a
-//! collision course with them.
+//! People who need no decision for some ticks: those who do not walk, and those who walk straight while nobody in
+//! sight is on a collision course with them.
 
 use glam::DVec2;
 
@@ -19,7 +19,7 @@ impl Crowd {
         tick < self.quiet_until[i]
     }
 
-    /// Leaves a person who does not walk where it is until a tick.
+    /// Keeps a person who does not walk at the current position until a tick.
     pub(super) fn rest(&mut self, i: usize, until: u64, around: &Surroundings<'_>) {
         if around.robots.is_empty() && self.people[i].velocity == DVec2::ZERO {
             self.quiet_until[i] = until;
@@ -37,7 +37,8 @@ impl Crowd {
         }
     }
 
-    /// Lets those who walk near a person look again from a tick: what they expect of the person is no longer so.
+    /// Makes the people who walk near a person look again from a tick on, because what they expect of the person
+    /// has changed.
     pub(super) fn disturb_others(&mut self, i: usize, tick: u64) {
         for other in self.near.of(i) {
             let j = other.person as usize;
@@ -47,8 +48,8 @@ impl Crowd {
         }
     }
 
-    /// Whether a person walks on along the path as before; then also for as many ticks as is certain while nobody near
-    /// changes the velocity.
+    /// Whether a person continues along the path as before. Then the person also continues for as many ticks as is
+    /// certain while nobody near changes the velocity.
     pub(super) fn walks_on(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
         let ticks = self.ticks_straight_on(i, around);
         if ticks > 0 {
@@ -99,15 +100,16 @@ impl Crowd {
     }
 }
 
-/// For how many seconds a person need not avoid another, and stays farther than `close` metres from it; 0 or less where
-/// it has to now. See [`seconds_apart`].
+/// Returns the time in seconds for which a person need not avoid another one, and stays farther than `close` metres
+/// from that one; 0 or less if the person has to avoid the other now. See [`seconds_apart`].
 fn seconds_free(to: DVec2, closing: DVec2, close: f64) -> f64 {
     let meeting = seconds_apart(to, closing, 2.0 * PERSON_RADIUS + ROUNDING);
     seconds_apart(to, closing, close).min(meeting - DISC_HORIZON)
 }
 
-/// For how many seconds a person stays farther than a distance in metres from another that is at `to` from it, with the
-/// velocity `closing` of the person relative to the other in m/s; 0 where they are nearer already.
+/// Returns the time in seconds for which a person stays farther than a distance in metres from another one, who is
+/// at `to` relative to the person. `closing` is the velocity of the person relative to the other in m/s. Returns 0
+/// if they are nearer already.
 fn seconds_apart(to: DVec2, closing: DVec2, distance: f64) -> f64 {
     let distance2 = distance * distance;
     if to.length_squared() <= distance2 {

@@ -7,21 +7,22 @@ use glam::DVec2;
 
 use super::free_space::{COSTS, FreeSpace, NEIGHBOURS, ROUNDING};
 
-/// Half the side of the window in which paths to a place are known, in metres: people go this far at most, or
-/// less where there are so many places that the windows would take more memory than [`MAX_CELLS`].
+/// Half the side, in metres, of the window in which paths to a place are known. It is the greatest distance that
+/// people go; it is less if there are so many places that the windows would take more memory than [`MAX_CELLS`].
 const WINDOW: f64 = 40.0;
 
-/// The most cells of all windows, of a byte each.
+/// The greatest number of cells of all windows. Each cell takes a byte.
 const MAX_CELLS: f64 = (1 << 26) as f64;
 
-/// Paths are entered at most this many columns and rows away, and at most so many by who has to squeeze through.
+/// The greatest number of columns and rows to the cell at which a path is entered, and the number for a person who
+/// has to squeeze through.
 const NEAR: isize = 2;
 const FAR: isize = 8;
 
-/// Corners are found to one part in so many of their distance.
+/// The precision of corners, as the inverse of the relative error of their distance.
 const PRECISION: usize = 8;
 
-/// Directions of cells from which no path leads to the place, and of the place itself.
+/// The direction of cells from which no path leads to the place, and of the place itself.
 const UNREACHED: u8 = u8::MAX;
 const HERE: u8 = 8;
 
@@ -29,22 +30,22 @@ const HERE: u8 = 8;
 #[derive(Debug)]
 pub(crate) struct Routes {
     pub(crate) places: Vec<DVec2>,
-    /// Found when they are first asked for.
+    /// The paths to each place, which are computed when they are first used.
     trees: Vec<OnceLock<Tree>>,
     /// Half the side of the windows in cells.
     reach: usize,
 }
 
-/// The first step of a shortest path to a place from each cell around it.
+/// For each cell around a place, the first step of a shortest path to the place.
 #[derive(Debug)]
 struct Tree {
-    /// Column and row of the window's lower left cell.
+    /// Column and row of the lower left cell of the window.
     corner: (usize, usize),
     cols: usize,
     rows: usize,
     steps: Vec<u8>,
-    /// The next corner after each cell of the window that is a corner of a path so far. All paths share them: only the part
-    /// before its first corner is new in each.
+    /// For each cell of the window that is a corner of a path so far, the next corner after it. All paths share
+    /// these corners; only the part before its first corner is new in each path.
     corners: Mutex<BTreeMap<usize, usize>>,
 }
 
@@ -56,7 +57,7 @@ impl Routes {
         Routes { places, trees, reach }
     }
 
-    /// The places to which a path from a point can be known: those around it.
+    /// Returns the places to which a path from a point can be known: those around it.
     pub(super) fn around(
         &self,
         space: &FreeSpace,
@@ -72,7 +73,7 @@ impl Routes {
         Some(self.trees[place].get_or_init(|| Tree::new(space, goal, self.reach)))
     }
 
-    /// The corners of a path to a place, the last first; `None` where the place cannot be reached.
+    /// Returns the corners of a path to a place, with the last one first; `None` if the place cannot be reached.
     pub(crate) fn path(&self, space: &FreeSpace, from: DVec2, place: usize) -> Option<Vec<DVec2>> {
         let goal = *self.places.get(place)?;
         let tree = self.tree(space, place)?;
@@ -113,7 +114,8 @@ impl Routes {
         self.tree(space, place).is_some_and(|tree| self.entry(space, tree, from).is_some())
     }
 
-    /// The direction in which a path to a place begins, as the grid knows it; much less work than the path.
+    /// Returns the direction in which a path to a place begins, as known from the grid. This is much less work than
+    /// computing the path.
     pub(super) fn direction(&self, space: &FreeSpace, from: DVec2, place: usize) -> Option<DVec2> {
         let tree = self.tree(space, place)?;
         let step = tree.step(space, space.frame.index_at(from)?)?;
@@ -121,8 +123,9 @@ impl Routes {
         Some(DVec2::new(right as f64, up as f64))
     }
 
-    /// A cell near a point from which a path leads to the place, and to which the straight line is clear: a
-    /// farther one, and without care, for who was pushed to where the grid knows no path.
+    /// Returns a cell near a point from which a path leads to the place, and to which the straight line is clear.
+    /// For a person who was pushed to a point without a path on the grid, it can be a farther cell, without a
+    /// margin.
     fn entry(&self, space: &FreeSpace, tree: &Tree, from: DVec2) -> Option<usize> {
         let here = space.frame.index_at(from)?;
         let is_reached = |cell: usize| tree.is_reached(space, cell);
@@ -150,12 +153,12 @@ impl Routes {
 }
 
 impl Tree {
-    /// A window in which nothing is reached yet.
+    /// Creates a window in which no cell is reached yet.
     fn of(corner: (usize, usize), (cols, rows): (usize, usize)) -> Self {
         Tree { corner, cols, rows, steps: vec![UNREACHED; cols * rows], corners: Mutex::default() }
     }
 
-    /// Dijkstra's search from a place, with a circle of buckets for the small whole costs (R. B. Dial,
+    /// Runs Dijkstra's search from a place, with a circle of buckets for the small integer costs (R. B. Dial,
     /// Communications of the ACM 12, 1969).
     fn new(space: &FreeSpace, goal: DVec2, reach: usize) -> Self {
         let frame = space.frame;
@@ -201,7 +204,8 @@ impl Tree {
         tree
     }
 
-    /// Which neighbours in the window can be reached from each of its cells in a straight line.
+    /// Returns, for each cell of the window, the neighbours in the window that can be reached from it in a straight
+    /// line.
     fn moves(&self, space: &FreeSpace) -> Vec<u8> {
         let without = |leaves: fn(&(isize, isize)) -> bool| {
             let bits = (0..8).filter(|&i| !leaves(&NEIGHBOURS[i]));
@@ -223,19 +227,19 @@ impl Tree {
         moves
     }
 
-    /// The index of a cell in the window.
+    /// Returns the index of a cell in the window.
     fn index(&self, space: &FreeSpace, cell: usize) -> Option<usize> {
         let (col, row) = space.frame.cell(cell);
         let (col, row) = (col.checked_sub(self.corner.0)?, row.checked_sub(self.corner.1)?);
         (col < self.cols && row < self.rows).then(|| row * self.cols + col)
     }
 
-    /// The middle of a cell of the window.
+    /// Returns the centre of a cell of the window.
     fn center(&self, space: &FreeSpace, i: usize) -> DVec2 {
         space.frame.center(self.corner.0 + i % self.cols, self.corner.1 + i / self.cols)
     }
 
-    /// The next cell of the window on the path from one; no cell after the last one.
+    /// Returns the next cell of the window on the path from a cell; no cell after the last one.
     #[expect(clippy::option_option, reason = "no path and no next cell are different")]
     fn next(&self, i: usize) -> Option<Option<usize>> {
         match *self.steps.get(i)? {
@@ -247,8 +251,8 @@ impl Tree {
         }
     }
 
-    /// The cells of the window on the path after a cell that lie straight on from it, and so in its sight, with
-    /// `next` as the first.
+    /// Returns the cells of the window on the path after a cell that lie straight ahead of it, and therefore in its
+    /// sight, beginning with `next`.
     fn straight_on(&self, cell: usize, next: usize) -> Vec<usize> {
         let mut cells = Vec::with_capacity(64);
         cells.push(next);
@@ -262,8 +266,8 @@ impl Tree {
         cells
     }
 
-    /// The farthest cell of the window on the path that is found in sight of a point, by doubling and then by halving.
-    /// The path continues with `cells`, one or more, of which the last can be reached.
+    /// Returns the farthest cell of the window on the path that is found to be in sight of a point, by doubling and
+    /// then halving the steps. The path continues with `cells`, one or more, of which the last can be reached.
     fn farthest_seen(
         &self,
         space: &FreeSpace,
@@ -289,7 +293,7 @@ impl Tree {
         Some(cells[seen - 1])
     }
 
-    /// Continues a path to a number of cells; whether it has so many.
+    /// Extends a path to a number of cells; returns whether it has so many.
     fn extend(&self, cells: &mut Vec<usize>, count: usize) -> Option<bool> {
         while cells.len() < count {
             match self.next(*cells.last()?)? {
@@ -305,7 +309,7 @@ impl Tree {
         self.step(space, cell).is_some_and(|step| step != UNREACHED)
     }
 
-    /// The direction from a cell of the window towards the place.
+    /// Returns the direction from a cell of the window towards the place.
     fn step(&self, space: &FreeSpace, cell: usize) -> Option<u8> {
         self.index(space, cell).map(|i| self.steps[i])
     }

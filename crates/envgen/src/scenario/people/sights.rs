@@ -1,16 +1,16 @@
-//! Who sees whom.
+//! Lines of sight between people.
 
 use super::surroundings::Surroundings;
 use crate::scenario::doors::DoorState;
 use crate::scenario::neighbourhood::Neighbourhood;
 
-/// Whether the people of each pair of neighbours saw each other when the lists of neighbours were built, looked up when it
-/// is first asked for. So people notice within [`REBUILD`](crate::scenario::neighbourhood::REBUILD) ticks who comes
-/// into sight, or goes out of it.
+/// For each pair of neighbours, whether they saw each other when the lists of neighbours were built. It is computed
+/// when it is first used. People therefore notice within [`REBUILD`](crate::scenario::neighbourhood::REBUILD) ticks
+/// who comes into sight or goes out of it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sights {
     pairs: Vec<Option<bool>>,
-    /// The doors when the lists were built.
+    /// The states of the doors when the lists were built.
     doors: Vec<DoorState>,
 }
 

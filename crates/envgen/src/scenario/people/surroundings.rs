@@ -1,4 +1,4 @@
-//! What people walk among.
+//! The surroundings of people: free space, doors and robots.
 
 use glam::DVec2;
 
@@ -12,18 +12,18 @@ use crate::scenario::person::Person;
 use crate::scenario::robot::Robot;
 use crate::seed::Seed;
 
-/// Doors concern people this far beyond the reach of their leaves, in metres.
+/// The distance in metres beyond the reach of their leaves within which doors concern people.
 pub(crate) const ZONE: f64 = 0.5;
 
-/// What people walk among.
+/// The surroundings of people.
 pub(crate) struct Surroundings<'a> {
     pub(crate) space: &'a FreeSpace,
     pub(crate) routes: &'a Routes,
     pub(crate) rays: &'a Raycaster,
     pub(crate) shapes: &'a [DoorShape],
-    /// The doors near each cell of the free space.
+    /// For each cell of the free space, the doors near it.
     pub(crate) door_zones: &'a CellBuckets<u32>,
-    /// The same for a point to which someone can go before the lists of neighbours are rebuilt.
+    /// The same for the points to which a person can go before the lists of neighbours are rebuilt.
     pub(crate) near_doors: &'a CellBuckets<u32>,
     pub(crate) people: &'a [Person],
     pub(crate) spec: &'a ScenarioSpec,
@@ -31,12 +31,12 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) doors: &'a [DoorState],
     pub(crate) robots: &'a [Robot],
     pub(crate) tick: u64,
-    /// The greatest speed of anyone, in m/s.
+    /// The greatest speed of all people, in m/s.
     pub(crate) max_speed: f64,
 }
 
 impl Surroundings<'_> {
-    /// The doors of a cell at a point.
+    /// Returns the doors of the cell at a point.
     #[inline]
     pub(super) fn at<'a>(&self, doors: &'a CellBuckets<u32>, p: DVec2) -> &'a [u32] {
         if self.shapes.is_empty() {
@@ -45,12 +45,12 @@ impl Surroundings<'_> {
         self.space.frame.index_at(p).map_or(&[], |cell| doors.of(cell))
     }
 
-    /// Whether no solid and no leaf is between a point and another one at `to` from it.
+    /// Whether no solid and no leaf is between a point and another one at `to` relative to it.
     pub(super) fn sees(&self, from: DVec2, to: DVec2) -> bool {
         self.sees_with_doors(self.doors, from, to)
     }
 
-    /// The same with other states of the doors.
+    /// The same for given states of the doors.
     pub(super) fn sees_with_doors(&self, doors: &[DoorState], from: DVec2, to: DVec2) -> bool {
         let distance = to.length();
         let direction = to / distance;
@@ -89,7 +89,8 @@ impl Surroundings<'_> {
     }
 }
 
-/// The robot nearest to a point, of equally near ones the first; one that is infinitely far without any.
+/// Returns the robot that is nearest to a point; of equally near ones, the first; an infinitely distant robot if
+/// there are no robots.
 pub(super) fn nearest_robot(p: DVec2, robots: &[Robot]) -> Robot {
     let far = Robot { position: DVec2::INFINITY, velocity: DVec2::ZERO, radius: 0.0 };
     robots.iter().fold(far, |best, robot| {

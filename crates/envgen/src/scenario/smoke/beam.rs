@@ -1,45 +1,46 @@
-//! What a laser beam reads in smoke.
+//! The readings of laser beams in smoke.
 
 use super::Stretch;
 use crate::scenario::spec::FailedBeams;
 use crate::seed::Stream;
 
-/// Distances in metres between which the fields of view of emitter and detector begin to overlap and are one
-/// (M. Hahner et al., Fog Simulation on Real `LiDAR` Point Clouds, ICCV 2021, <https://arxiv.org/abs/2108.05249>).
+/// Distances in metres at which the fields of view of emitter and detector begin to overlap, and are the same (M.
+/// Hahner et al., Fog Simulation on Real `LiDAR` Point Clouds, ICCV 2021, <https://arxiv.org/abs/2108.05249>).
 const OVERLAP: [f64; 2] = [0.9, 1.0];
 
-/// Parts into which the path of a beam is divided for the law of its phantom echoes.
+/// The number of parts into which the path of a beam is divided for the distribution of its phantom echoes.
 const PARTS: u32 = 256;
 
-/// How a laser measures in smoke.
+/// The model of how a laser measures in smoke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Laser {
-    /// The equation of a lidar with Beer and Lambert's law: it has an echo at distance R where
-    /// R exp(optical depth) is at most this range in metres, which it has without smoke.
+    /// The lidar equation with the Beer-Lambert law: there is an echo at distance R if R exp(optical depth) is at
+    /// most the laser's range without smoke, in metres.
     Physical {
-        /// The range without smoke; it may be beyond the greatest distance that the laser reports.
+        /// The range in metres without smoke. It may exceed the greatest distance that the laser reports.
         power_range: f64,
     },
-    /// A Hokuyo of `USARSim`: beams fail where density times metres in smoke exceed a budget. There they read 0, as
-    /// with [`FailedBeams::Zero`]; with the others they read what these say.
+    /// A Hokuyo of `USARSim`: a beam fails if density times metres in smoke exceed a budget. With
+    /// [`FailedBeams::Zero`], as in `USARSim`, a failed beam reads 0; with the other variants, it reads what these
+    /// specify.
     Hokuyo {
-        /// The budget; [`Laser::HOKUYO_BUDGET`] in `USARSim`.
+        /// The budget, which is [`Laser::HOKUYO_BUDGET`] in `USARSim`.
         budget: f64,
     },
-    /// A SICK of `USARSim`: smoke in a region does nothing, particles stop it.
+    /// A SICK of `USARSim`: smoke in a region has no effect, and particles stop every beam.
     Sick,
 }
 
-/// What a beam reads.
+/// The reading of a beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Reading {
-    /// The distance of a surface in metres.
+    /// An echo from a surface at this distance in metres.
     Echo(f64),
-    /// Nothing: this does not say that the beam's path is free.
+    /// No echo. This does not mean that the path of the beam is free.
     NoEcho,
-    /// A distance of 0, which a Hokuyo reports for an error.
+    /// A distance of 0, which a Hokuyo reports as an error.
     Zero,
-    /// The distance in metres of an echo from smoke, where there is nothing.
+    /// An echo from smoke at this distance in metres, where there is no surface.
     Phantom(f64),
 }
 
@@ -47,8 +48,9 @@ impl Laser {
     /// The budget of the Hokuyo of `USARSim`.
     pub const HOKUYO_BUDGET: f64 = 0.005_75;
 
-    /// What a beam reads that meets a surface at `distance` metres, or nothing within `max_range`. `stretches`
-    /// is the smoke along it up to there; `stream` is the beam's own, and is drawn from for phantoms alone.
+    /// Returns the reading of a beam that meets a surface at `distance` metres, or nothing within `max_range`.
+    /// `stretches` is the smoke along the beam up to that distance. `stream` is the beam's own random stream, which
+    /// is used only for phantom echoes.
     ///
     /// ```
     /// use envgen::Seed;
@@ -98,15 +100,15 @@ impl Laser {
     }
 }
 
-/// The integral of the extinction coefficient along a ray up to a distance in metres.
+/// Returns the integral of the extinction coefficient along a ray up to a distance in metres.
 pub(super) fn optical_depth(stretches: &[Stretch], end: f64) -> f64 {
     let depth = |s: &Stretch| s.extinction * (s.to.min(end) - s.from).max(0.0);
     stretches.iter().map(depth).sum()
 }
 
-/// The distance of an echo from smoke before `end`, drawn by a uniform number in [0, 1): its density is that of
-/// the power that smoke scatters back, proportional to extinction * exp(-2 optical depth) / r^2. `None` where
-/// there is no smoke that the detector sees.
+/// Returns the distance of an echo from smoke before `end`, drawn with a uniform number in [0, 1). Its probability
+/// density is proportional to the power that smoke scatters back, which is extinction * exp(-2 optical depth) /
+/// r^2. `None` if there is no smoke that the detector sees.
 fn phantom(end: f64, stretches: &[Stretch], uniform: f64) -> Option<f64> {
     let step = (end - OVERLAP[0]) / f64::from(PARTS);
     if step.is_nan() || step <= 0.0 {

@@ -1,15 +1,15 @@
-//! Where a ray passes through a region of smoke.
+//! The sections of a ray that lie in regions of smoke.
 
 use glam::DVec2;
 
 use crate::geometry::{Shape, box_axis, edges};
 
-/// A stretch of a ray in smoke of one density.
+/// A section of a ray that lies in smoke of one density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Where it begins along the ray, in metres.
+    /// Distance along the ray at which it begins, in metres.
     pub from: f64,
-    /// Where it ends, in metres.
+    /// Distance along the ray at which it ends, in metres.
     pub to: f64,
     /// Extinction coefficient in 1/m.
     pub extinction: f64,
@@ -17,7 +17,7 @@ pub struct Stretch {
     pub is_particle: bool,
 }
 
-/// Calls `visit` with the parts of a ray, between 0 and `length` metres, inside of a shape.
+/// Calls `visit` with the parts of a ray, between 0 and `length` metres, that lie inside a shape.
 pub(super) fn chords(
     shape: &Shape,
     from: DVec2,

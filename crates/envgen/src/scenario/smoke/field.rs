@@ -1,4 +1,4 @@
-//! The density of smoke in every region, and how it spreads.
+//! The density of smoke in every region, and its spread.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -9,30 +9,32 @@ use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::SmokeKind;
 use crate::world::World;
 
-/// Smoke of a lower extinction coefficient is ignored, in 1/m.
+/// The extinction coefficient, in 1/m, below which smoke is ignored.
 const THINNEST: f64 = 1e-9;
 
-/// What is fixed about the smoke of a world.
+/// The constant properties of the smoke of a world.
 #[derive(Clone, Debug)]
 pub(crate) struct SmokeRegions {
     sources: Vec<SmokeSource>,
-    /// The floors of the compartments: those of the rooms, and last one of all hallways and open areas.
+    /// The floors of the compartments: those of the rooms, and as the last one all hallways and open areas.
     floors: Vec<Vec<(Rect, Shape)>>,
-    /// Their areas in square metres, of which an infinite one takes up all smoke.
+    /// The areas of the compartments in square metres. An infinite one absorbs all smoke.
     areas: Vec<f64>,
-    /// The doorways between different compartments: the two, the index of the doorway, and its width in metres.
+    /// The doorways between different compartments: the two compartments, the index of the doorway, and its width
+    /// in metres.
     links: Vec<([usize; 2], usize, f64)>,
     /// Speed of the air through an open doorway in m/s.
     leak: f64,
 }
 
-/// The present density of smoke.
+/// The current density of smoke.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SmokeField {
     /// The mean extinction coefficients of the compartments in 1/m.
     rooms: Vec<f64>,
-    /// Those of each source's disc or box, 0 for sources in compartments. The name is part of digests.
+    /// The extinction coefficient of each source's disc or box; 0 for sources in compartments. The name is part of
+    /// digests.
     discs: Vec<f64>,
 }
 
@@ -66,7 +68,7 @@ impl SmokeRegions {
         self.sources.is_empty()
     }
 
-    /// The field at the start: of smoke that grows none.
+    /// Returns the field at the start, without smoke that grows.
     pub(crate) fn start(&self) -> SmokeField {
         let mut field =
             SmokeField { rooms: vec![0.0; self.areas.len()], discs: vec![0.0; self.sources.len()] };
@@ -74,12 +76,12 @@ impl SmokeRegions {
         field
     }
 
-    /// Spreads the smoke by `dt` seconds, up to a time since the start. `openness` is that of a doorway by its
+    /// Spreads the smoke by `dt` seconds, up to a time since the start. `openness` returns that of a doorway by its
     /// index, from 0 to 1.
     ///
     /// The concentrations follow `dC_i/dt = q_i/V_i + sum_j k A_ij (C_j - C_i)/V_i` on the graph of rooms, with
-    /// areas for volumes, since all rooms are equally high. Each term is integrated exactly on its own (operator
-    /// splitting), so that every step is stable and the exchange keeps the amount of smoke.
+    /// areas for volumes, since all rooms have the same height. Each term is integrated exactly on its own
+    /// (operator splitting), so that every step is stable and the exchange preserves the amount of smoke.
     pub(crate) fn spread(
         &self,
         field: &mut SmokeField,
@@ -103,7 +105,7 @@ impl SmokeRegions {
         }
     }
 
-    /// Lets the sources grow; in an infinite compartment smoke is lost at once.
+    /// Lets the smoke of the sources grow. In an infinite compartment, smoke is lost at once.
     fn grow(&self, field: &mut SmokeField, time: f64, dt: f64) {
         let share = |growth: f64, dt: f64| {
             if growth > 0.0 { -libm::expm1(-dt / growth) } else { 1.0 }
@@ -123,8 +125,8 @@ impl SmokeRegions {
         }
     }
 
-    /// Calls `visit` with every stretch of a ray in smoke. Stretches of different regions may overlap: their
-    /// extinctions add up.
+    /// Calls `visit` with every section of a ray in smoke. Sections of different regions may overlap; their
+    /// extinction coefficients then add up.
     pub(crate) fn stretches(
         &self,
         field: &SmokeField,
@@ -158,7 +160,7 @@ impl SmokeRegions {
         }
     }
 
-    /// Every place with smoke of one density, and its extinction coefficient in 1/m.
+    /// Returns every place with smoke of one density, and its extinction coefficient in 1/m.
     pub(crate) fn clouds(&self, field: &SmokeField) -> impl Iterator<Item = (SmokePlace, f64)> {
         let rooms = self.floors.len().saturating_sub(1);
         let place = move |i| if i < rooms { SmokePlace::Room(i as u32) } else { SmokePlace::Halls };
@@ -170,7 +172,7 @@ impl SmokeRegions {
         compartments.chain(sources)
     }
 
-    /// The shapes of a place, which may overlap; none of one that does not exist.
+    /// Returns the shapes of a place, which may overlap; no shapes for a place that does not exist.
     pub(crate) fn shapes(&self, place: SmokePlace) -> Vec<Shape> {
         let of_floor = |floor: Option<&Vec<(Rect, Shape)>>| {
             floor.into_iter().flatten().map(|(_, shape)| shape.clone()).collect()
@@ -186,7 +188,7 @@ impl SmokeRegions {
         }
     }
 
-    /// The extinction coefficient at a point in 1/m.
+    /// Returns the extinction coefficient at a point in 1/m.
     pub(crate) fn extinction(&self, field: &SmokeField, p: DVec2) -> f64 {
         let rooms = self.floors.iter().zip(&field.rooms).filter(|(shapes, _)| {
             shapes.iter().any(|(bounds, shape)| bounds.contains(p) && shape.contains(p))

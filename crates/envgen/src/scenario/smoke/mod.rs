@@ -18,7 +18,7 @@ use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::seed::Seed;
 use crate::world::World;
 
-/// Draws the sources of a world: in rooms where it has some, otherwise around free points.
+/// Draws the sources of smoke of a world: in rooms if there are any, otherwise around free points.
 pub(super) fn place_smoke(
     world: &World,
     spec: &ScenarioSpec,

@@ -1,9 +1,10 @@
-//! How far a laser sees in smoke that is everywhere the same.
+//! The range of a laser in uniform smoke.
 
-/// Lambert's W: the solution w >= 0 of w exp(w) = x, for x >= 0; NaN for other numbers.
+/// Computes Lambert's W: the solution w >= 0 of w exp(w) = x, for x >= 0; NaN for other numbers.
 ///
-/// Halley's iteration (R. M. Corless et al., On the Lambert W function, Advances in Computational
-/// Mathematics 5, 1996, section 5, <https://doi.org/10.1007/BF02124750>), from above, where it converges for every x.
+/// It uses Halley's iteration (R. M. Corless et al., On the Lambert W function, Advances in Computational
+/// Mathematics 5, 1996, section 5, <https://doi.org/10.1007/BF02124750>), from above, where it converges for every
+/// x.
 ///
 /// ```
 /// use envgen::scenario::smoke::lambert_w;
@@ -41,11 +42,11 @@ pub fn lambert_w(x: f64) -> f64 {
     w
 }
 
-/// The distance in metres up to which a laser has an echo from a surface in smoke of an extinction
-/// coefficient in 1/m, where it has one up to `power_range` metres without smoke.
+/// Returns the distance in metres up to which a laser has an echo from a surface in smoke of an extinction
+/// coefficient in 1/m, if it has one up to `power_range` metres without smoke.
 ///
-/// An echo's power falls as exp(-2 `extinction` R) / R^2 (the equation of a lidar with Beer and Lambert's
-/// law), so that R exp(`extinction` R) = `power_range`. NaN where an argument is negative or NaN.
+/// The power of an echo falls as exp(-2 `extinction` R) / R^2 (the lidar equation with the Beer-Lambert law), so
+/// that R exp(`extinction` R) = `power_range`. NaN if an argument is negative or NaN.
 ///
 /// ```
 /// use envgen::scenario::smoke::smoke_range;

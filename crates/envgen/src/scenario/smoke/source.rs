@@ -1,4 +1,4 @@
-//! A source of smoke, and the space that it fills.
+//! Sources of smoke, and the space that they fill.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -8,49 +8,49 @@ use crate::geometry::{Rect, Shape};
 use crate::scenario::spec::{ScenarioSpec, SmokeKind};
 use crate::world::World;
 
-/// A box with a side out of these limits is refused, in metres: those of a disc's diameter, but for thin boxes.
+/// The least and the greatest allowed side of a box in metres, which are those of a disc's diameter.
 const BOX_SIDES: [f64; 2] = [0.1, 2000.0];
 
 /// A source of smoke.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SmokeSource {
-    /// The space that it fills.
+    /// The space that the smoke fills.
     pub region: SmokeRegion,
-    /// The extinction coefficient that it comes to, in 1/m.
+    /// The final extinction coefficient of the smoke, in 1/m.
     pub extinction: f64,
-    /// The time in seconds in which it comes to 63 % of that, 0 where it is there from the start.
+    /// The time in seconds in which the smoke reaches 63 % of that; 0 if it is there from the start.
     pub growth: f64,
-    /// What kind of smoke it is.
+    /// The kind of smoke.
     pub kind: SmokeKind,
 }
 
-/// The space that a source of smoke fills.
+/// The space that the smoke of a source fills.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SmokeRegion {
-    /// The room of this index, out of which it leaks through open doorways.
+    /// The room with this index, from which smoke leaks through open doorways.
     Room(u32),
-    /// All hallways and open areas, which share one density. It leaks into rooms through open doorways.
+    /// All hallways and open areas, which share one density. Smoke leaks from them into rooms through open doorways.
     Halls,
-    /// A disc of unchanging size.
+    /// A disc of constant size.
     Disc {
-        /// Middle in metres.
+        /// Centre in metres.
         center: DVec2,
         /// Radius in metres.
         radius: f64,
     },
-    /// A rectangle of unchanging size, parallel to the axes, such as a part of a hallway.
+    /// An axis-aligned rectangle of constant size, such as a part of a hallway.
     Box {
-        /// Corner of least x and y, in metres.
+        /// The corner with the least x and y, in metres.
         min: DVec2,
-        /// Corner of greatest x and y, in metres.
+        /// The corner with the greatest x and y, in metres.
         max: DVec2,
     },
 }
 
 impl SmokeRegion {
-    /// Its shape, where it does not follow from the world: that of a disc or a box.
+    /// Returns the shape of the region if it does not depend on the world: that of a disc or a box.
     pub(crate) fn shape(self) -> Option<Shape> {
         match self {
             SmokeRegion::Room(_) | SmokeRegion::Halls => None,
@@ -59,7 +59,7 @@ impl SmokeRegion {
         }
     }
 
-    /// The place that it fills, as the region of the source of this index.
+    /// Returns the place that the region fills, as the region of the source with this index.
     pub(crate) fn place(self, source: u32) -> SmokePlace {
         match self {
             SmokeRegion::Room(room) => SmokePlace::Room(room),
@@ -68,7 +68,7 @@ impl SmokeRegion {
         }
     }
 
-    /// Whether a point is in its own shape.
+    /// Whether a point is in the region's own shape.
     pub(super) fn contains(self, p: DVec2) -> bool {
         match self {
             SmokeRegion::Room(_) | SmokeRegion::Halls => false,
@@ -78,20 +78,20 @@ impl SmokeRegion {
     }
 }
 
-/// A place with smoke of one density: a source's own, or one to which smoke leaks.
+/// A place with smoke of one density: the region of a source, or a place to which smoke leaks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SmokePlace {
-    /// The room of this index.
+    /// The room with this index.
     Room(u32),
     /// All hallways and open areas.
     Halls,
-    /// The disc or box of the source of this index in the scenario.
+    /// The disc or box of the source with this index in the scenario.
     Source(u32),
 }
 
 impl SmokeSource {
-    /// Checks it against its world.
+    /// Checks the source against its world.
     ///
     /// # Errors
     /// Names the first field that is not allowed, its value and its limits.
