@@ -96,13 +96,13 @@ impl Hull {
         }
     }
 
-    /// The nearest point to a point; for a box as [`Shape::nearest_point`] rounds it.
+    /// Returns the nearest point to a point; for a box, rounded as by [`Shape::nearest_point`].
     #[inline]
     fn nearest_point(&self, p: DVec2) -> DVec2 {
         self.center + (p - self.center).clamp(-self.half_size, self.half_size)
     }
 
-    /// Squared distance from a point.
+    /// Returns the squared distance from a point.
     #[inline]
     fn distance_squared(&self, p: DVec2) -> f64 {
         p.distance_squared(self.nearest_point(p))

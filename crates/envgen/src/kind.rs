@@ -45,7 +45,7 @@ kinds! {
 }
 
 impl WorldKind {
-    /// The kind that has this name, if any.
+    /// Returns the kind with this name, if there is one.
     pub(crate) fn named(name: &str) -> Option<Self> {
         WorldKind::ALL.iter().copied().find(|kind| kind.name() == name)
     }

@@ -70,8 +70,8 @@ pub enum OccupancyError {
 
 /// A grid of square cells over a rectangle, each free or occupied.
 ///
-/// Row 0 is the lowest (least y) and column 0 the leftmost. Cell (`col`, `row`) covers `origin` + [`col`, `col` +
-/// 1) x `resolution` in x, and likewise in y.
+/// Row 0 is the lowest (least y) and column 0 the leftmost. Cell (`col`, `row`) covers
+/// `origin` + [`col`, `col` + 1) x `resolution` in x, and likewise in y.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};

@@ -14,7 +14,7 @@ use crate::world::{
 /// Thickness in metres of the body of a part that is a line in the plane.
 pub const LINE_THICKNESS: f64 = 0.01;
 
-/// The ground of a world that has no floors.
+/// Returns the ground of a world that has no floors.
 fn ground() -> Extent {
     let Ok(extent) = Extent::new(-0.2, FLOOR.top()) else {
         unreachable!("-0.2 is below the floor")

@@ -581,8 +581,8 @@ impl Outline {
     }
 }
 
-/// Where a ray's line enters and leaves an axis-aligned box, sides included. An `AXIAL` ray along the line of a side
-/// gives NaN, between the sides all along; without NaN an instruction each does.
+/// Returns where a ray's line enters and leaves an axis-aligned box, sides included. An `AXIAL` ray along the line
+/// of a side gives NaN, which counts as between the sides all along. Without NaN, an instruction each is enough.
 #[inline]
 fn slab<const AXIAL: bool>(from: DVec2, inverse: DVec2, min: DVec2, max: DVec2) -> (f64, f64) {
     let (a, b) = ((min - from) * inverse, (max - from) * inverse);

@@ -355,7 +355,7 @@ impl WorldSpec {
         ron_options().from_str(text).map_err(|error| SettingsError::Ron(Box::new(error)))
     }
 
-    /// Writes a spec as RON, with every setting. The settings of indoor materials, clutter and doorway widths are
+    /// Returns the spec as RON, with every setting. The settings of indoor materials, clutter and doorway widths are
     /// written only if they are set.
     ///
     /// ```
@@ -385,7 +385,7 @@ impl WorldSpec {
     }
 }
 
-/// The options of RON for specs: `Hallway(segments: 80)`, without a second pair of parentheses.
+/// Returns the options of RON for specs: `Hallway(segments: 80)`, without a second pair of parentheses.
 fn ron_options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)

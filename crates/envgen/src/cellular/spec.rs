@@ -10,7 +10,7 @@ use crate::settings;
 pub const MAX_VISITS: u64 = 1 << 30;
 
 settings! {
-    /// A field of blocks to generate. The defaults are those of BARN's first world; its data set has `fill`
+    /// The settings of a block field. The defaults are those of BARN's first world; BARN's data set has `fill`
     /// 0.15, 0.20, 0.25 and 0.30 with 2, 3 and 4 passes of smoothing.
     ///
     /// ```

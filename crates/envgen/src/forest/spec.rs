@@ -20,9 +20,9 @@ pub const MAX_TREES: f64 = 2e7;
 pub const MAX_HARD_CORE_TREES: f64 = 5e6;
 
 settings! {
-    /// A forest to generate: the rectangle from (0, 0) to (`width`, `height`).
+    /// The settings of a forest, which is the rectangle from (0, 0) to (`width`, `height`).
     ///
-    /// The default has the density and radius of the paper's figure 2.
+    /// The defaults have the density and radius of the paper's figure 2.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};

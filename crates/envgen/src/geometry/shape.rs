@@ -290,7 +290,7 @@ impl Shape {
     }
 }
 
-/// The corners of a box, counter-clockwise.
+/// Returns the corners of a box, counter-clockwise.
 fn box_corners(center: DVec2, half_size: DVec2, heading: f64) -> [DVec2; 4] {
     let u = box_axis(heading);
     let (u, v) = (u * half_size.x, u.perp() * half_size.y);

@@ -15,9 +15,9 @@ fn is_wall_height(value: &f64) -> bool {
 }
 
 settings! {
-    /// A hallway to generate.
+    /// The settings of a hallway.
     ///
-    /// The default is the paper's figure 1: `p_st` = 0.4 and `p_tt` = 0.
+    /// The defaults are those of the paper's figure 1: `p_st` = 0.4 and `p_tt` = 0.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};

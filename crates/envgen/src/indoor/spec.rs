@@ -88,7 +88,7 @@ fn is_dark_range(value: &f64) -> bool {
 }
 
 settings! {
-    /// An indoor map to generate.
+    /// The settings of an indoor map.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, indoor::IndoorSpec};

@@ -29,7 +29,7 @@ fn is_rock_height(value: &f64) -> bool {
 }
 
 settings! {
-    /// A landscape to generate.
+    /// The settings of a landscape.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, landscape::LandscapeSpec};

@@ -30,9 +30,9 @@ fn is_kerb_height(value: &f64) -> bool {
 }
 
 settings! {
-    /// A road to generate.
+    /// The settings of a road.
     ///
-    /// The default is the source's example, `straight, left, straight, right, straight`.
+    /// The defaults are those of the source's example, `straight, left, straight, right, straight`.
     ///
     /// ```
     /// use envgen::{Seed, Spec, road::RoadSpec};
@@ -130,9 +130,9 @@ settings! {
 }
 
 impl RoadSpec {
-    /// Creates a road by the rules of the SBFT tool competition for self-driving cars: inside a square of
-    /// 200 m, at most 500 points, two lanes of 4 m, radii of at least 14.4 m, longer than 40 m, and
-    /// a strip of 8 m that does not cover itself.
+    /// Returns the settings of a road by the rules of the SBFT tool competition for self-driving cars: inside a
+    /// square of 200 m, with at most 500 points, two lanes of 4 m and radii of at least 14.4 m, longer than 40 m,
+    /// and with a strip of 8 m that does not overlap itself.
     ///
     /// ```
     /// use envgen::road::RoadSpec;
@@ -172,32 +172,32 @@ impl RoadSpec {
         }
     }
 
-    /// Returns where the road starts.
+    /// Returns the pose at the start of the road.
     pub fn start(&self) -> Pose {
         Pose::new(self.start_x, self.start_y, self.start_heading.to_radians())
     }
 
-    /// Returns the point where the road should end.
+    /// Returns the point at which the road should end, if one is requested.
     pub fn aim(&self) -> Option<glam::DVec2> {
         Some(glam::DVec2::new(self.end_x?, self.end_y?))
     }
 
-    /// The radius in metres at which friction holds a car of the spec's speed.
+    /// Returns the radius in metres at which friction holds a car at the spec's speed.
     fn speed_radius(&self) -> f64 {
         self.speed * self.speed / (GRAVITY * self.friction)
     }
 
-    /// The least radius in metres whatever the speed.
+    /// Returns the least radius in metres that does not depend on the speed.
     fn fixed_radius(&self) -> f64 {
         self.min_radius.max(0.5 * self.width + 1.0)
     }
 
-    /// Number of segments.
+    /// Returns the number of segments.
     pub(super) fn count(&self) -> usize {
         if self.segment_count > 0 { self.segment_count as usize } else { self.prefabs.len() }
     }
 
-    /// The length that `reserve` keeps for a turn or a straight, in metres.
+    /// Returns the length in metres that `reserve` keeps for a turn or a straight.
     pub(super) fn reserve(&self, turn: bool) -> f64 {
         let least = if turn { self.turn_limits().shortest() } else { 0.0 };
         // Rounded up, so that rounding a length down to a multiple of the quantum leaves enough.
@@ -205,7 +205,7 @@ impl RoadSpec {
         (self.min_segment_length.max(least) / quantum).ceil() * quantum
     }
 
-    /// The most turns that the road can have.
+    /// Returns the greatest number of turns of the road.
     fn most_turns(&self) -> usize {
         match self.segment_count {
             0 => self.prefabs.iter().filter(|&&prefab| prefab != Prefab::Straight).count(),
@@ -214,7 +214,7 @@ impl RoadSpec {
         }
     }
 
-    /// Checks that `reserve` has room for the most turns that the road can have.
+    /// Checks that `reserve` has enough length for the greatest number of turns.
     ///
     /// # Errors
     /// Names the required length, the given length and the greatest speed that would be allowed.
@@ -242,7 +242,7 @@ impl RoadSpec {
         Err(SpecError::new("length", self.length, allowed))
     }
 
-    /// Checks every field, and the fields together.
+    /// Checks every field, and the rules about several fields.
     pub(super) fn check(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         self.check_together()?;
@@ -250,7 +250,7 @@ impl RoadSpec {
         self.check_reserve()
     }
 
-    /// A road that must stay in an area must begin there.
+    /// Checks that a road that must stay in an area begins there.
     fn check_area(&self) -> Result<(), SpecError> {
         let start = self.start();
         let across = unit_vector(start.heading).perp() * (0.5 * self.width);
@@ -320,16 +320,16 @@ impl RoadSpec {
     }
 }
 
-/// A speed in m/s rounded down, so that the printed number is allowed.
+/// Rounds a speed in m/s down, so that the printed number is allowed.
 fn rounded_down(speed: f64) -> f64 {
     (speed * 1e6 - 1e-3).floor() / 1e6
 }
 
-/// A segment of a road, as asked for.
+/// A requested segment of a road.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Prefab {
-    /// Straight on.
+    /// A straight.
     Straight,
     /// A turn to the left.
     Left,
@@ -339,28 +339,27 @@ pub enum Prefab {
     Turn,
 }
 
-/// How lengths are shared out.
+/// How the length is divided among the segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Lengths {
-    /// Every segment first gets the least length it needs, the rest is drawn.
+    /// Every segment first gets the least length that it needs, and the rest is divided at random.
     Reserve,
-    /// All of the length is drawn, as published; turns may come out too short.
+    /// The whole length is divided at random, as published; turns may become too short.
     AsPublished,
 }
 
-/// What happens when a road covers itself.
+/// What happens if a road overlaps itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum Crossing {
-    /// Nothing.
+    /// It is allowed.
     Allow,
     /// Generation fails.
     Reject,
-    /// The road is drawn again, up to `attempts` times; also where it misses its requested end, its start
-    /// or its area.
+    /// The road is drawn again, up to `attempts` times; also if it misses its requested end, its start or its area.
     Resample,
 }
 

@@ -1,4 +1,4 @@
-//! The radius of a turn of a given length.
+//! Turns: the radius of a turn of a given length.
 
 use serde::{Deserialize, Serialize};
 use strum::VariantNames;
@@ -8,7 +8,7 @@ use crate::seed::Stream;
 /// Acceleration of gravity in m/s^2.
 pub const GRAVITY: f64 = 9.81;
 
-/// Which quantity of a turn is uniform between its limits.
+/// The quantity of a turn that is uniformly distributed between its limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
@@ -26,26 +26,26 @@ pub struct TurnLimits {
     pub theta_min: f64,
     /// Greatest angle in radians.
     pub theta_max: f64,
-    /// Least radius in metres: what friction, the road's width and the spec demand.
+    /// Least radius in metres, as required by friction, the road's width and the spec.
     pub least_radius: f64,
-    /// Share of a turn's length that each of its two clothoids takes, 0 to 0.5.
+    /// Share of a turn's length that each of its two clothoids takes, from 0 to 0.5.
     pub transition: f64,
 }
 
 impl TurnLimits {
-    /// Returns the length in metres of a turn as if it kept its greatest curvature throughout: a clothoid
-    /// counts half, so this is the turn's angle times its least radius.
+    /// Returns the length in metres of a turn as if it kept its greatest curvature throughout. A clothoid counts
+    /// half, so this is the turn's angle times its least radius.
     pub fn effective(&self, length: f64) -> f64 {
         (1.0 - self.transition) * length
     }
 
-    /// Returns the shortest turn that the limits allow, in metres.
+    /// Returns the length in metres of the shortest turn that the limits allow.
     pub fn shortest(&self) -> f64 {
         self.theta_min * self.least_radius / (1.0 - self.transition)
     }
 
-    /// Returns the least and greatest radius in metres of a turn of the given length; the first exceeds the
-    /// second when no radius is allowed.
+    /// Returns the least and the greatest radius in metres of a turn of the given length. The first exceeds the
+    /// second if no radius is allowed.
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
@@ -64,18 +64,18 @@ impl TurnLimits {
         (self.least_radius.max(effective / self.theta_max), effective / self.theta_min)
     }
 
-    /// Draws the least radius, in metres, of a turn of the given length, such that the radius or the
-    /// angle is uniform between its limits. `None` when no radius is allowed.
+    /// Draws the least radius, in metres, of a turn of the given length, such that the radius or the angle is
+    /// uniformly distributed between its limits; `None` if no radius is allowed.
     pub fn draw(&self, length: f64, law: TurnLaw, stream: &mut Stream) -> Option<f64> {
         self.place(length, law, |low, high| stream.between(low, high))
     }
 
-    /// The same where the radius or the angle lies at a share, from 0 to 1, of the distance between its limits.
+    /// Like `draw`, but the radius or the angle lies at a share, from 0 to 1, of the distance between its limits.
     pub(super) fn at(&self, length: f64, law: TurnLaw, share: f64) -> Option<f64> {
         self.place(length, law, |low, high| low + (high - low) * share)
     }
 
-    /// The same where `between` chooses the radius or the angle between its limits.
+    /// Like `draw`, but `between` chooses the radius or the angle between its limits.
     fn place(
         &self,
         length: f64,

@@ -1,9 +1,9 @@
-//! Where the waypoints of a road lie.
+//! The positions of a road's waypoints.
 
 use super::apportion::largest_remainder;
 
-/// Waypoints every `step` metres, and how many lie on each segment; one where two segments meet
-/// belongs to the later.
+/// Returns waypoints every `step` metres, and the number of them on each segment. A waypoint where two segments
+/// meet belongs to the later one.
 pub(super) fn evenly(starts: &[f64], count: u64, step: f64) -> (Vec<f64>, Vec<u64>) {
     let stations: Vec<f64> = (0..count).map(|j| j as f64 * step).collect();
     let before: Vec<u64> = starts[..starts.len() - 1]
@@ -14,8 +14,8 @@ pub(super) fn evenly(starts: &[f64], count: u64, step: f64) -> (Vec<f64>, Vec<u6
     (stations, before.windows(2).map(|pair| pair[1] - pair[0]).collect())
 }
 
-/// The published rule: each segment gets its share of the waypoints, which lie evenly on it from its
-/// start.
+/// Returns waypoints by the published rule: each segment gets its share of the waypoints, which are spread evenly
+/// on it from its start.
 pub(super) fn by_segment(starts: &[f64], count: u64) -> (Vec<f64>, Vec<u64>) {
     let lengths: Vec<f64> = starts.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let counts = largest_remainder(&lengths, count);

@@ -1,4 +1,4 @@
-//! From a road to a world.
+//! Builds the world of a road.
 
 use super::blueprint::Road;
 use crate::curve::Path;
@@ -7,8 +7,8 @@ use crate::generate::Spec;
 use crate::geometry::{Pose, Rect, Shape};
 use crate::world::{Claim, Extent, KERB, RoadPoint, RoadStrip, Wall, WallKind, World};
 
-/// How far the faces of the kerbs stray from the road's edge at most, in metres: on the outer side
-/// of a bend into the road, on the inner side away from it.
+/// The greatest deviation, in metres, of the faces of the kerbs from the road's edge: on the outer side of a bend
+/// into the road, on the inner side away from it.
 pub const KERB_TOLERANCE: f64 = 0.01;
 
 pub(super) fn world(road: &Road) -> World {
@@ -48,7 +48,7 @@ pub(super) fn world(road: &Road) -> World {
     world
 }
 
-/// The claims of the road's certificate.
+/// Returns the claims of the road's certificate.
 fn promises(road: &Road) -> Vec<Claim> {
     let mut claims = vec![Claim::Connected { radius: 0.4 * road.spec().width }];
     let radii = road.segments().iter().filter_map(|segment| segment.radius);
@@ -56,7 +56,7 @@ fn promises(road: &Road) -> Vec<Claim> {
     claims
 }
 
-/// Where a robot should go: the end, or on a circuit the last waypoint of the lap.
+/// Returns the pose that a robot should reach: the end, or on a circuit the last waypoint of the lap.
 fn goal(road: &Road) -> Pose {
     if road.spec().closed {
         road.waypoints().last().map_or(road.end(), |point| point.pose)
@@ -65,7 +65,7 @@ fn goal(road: &Road) -> Pose {
     }
 }
 
-/// The kerbs: along both edges, except where they would lie on another part of the road.
+/// Returns the kerbs along both edges, except where they would lie on another part of the road.
 fn kerbs(road: &Road) -> Vec<Wall> {
     let spec = road.spec();
     let (half, kerb) = (0.5 * spec.width, spec.kerb);
@@ -94,8 +94,8 @@ fn kerbs(road: &Road) -> Vec<Wall> {
     walls
 }
 
-/// A kerb along one edge (1 for the left, -1 for the right) between two distances along the road,
-/// in pieces as long as the tolerance allows, which join without a gap.
+/// Returns a kerb along one edge (1 for the left, -1 for the right) between two distances along the road, in pieces as
+/// long as the tolerance allows, which join without a gap.
 fn kerb_along(
     path: &Path<'_>,
     side: f64,
@@ -112,5 +112,5 @@ fn kerb_along(
     })
 }
 
-/// A shorter kerb, in metres, is rounding.
+/// A kerb that is shorter than this, in metres, is due to rounding.
 const SHORTEST: f64 = 1e-6;

@@ -1,8 +1,8 @@
-//! The values of settings as text: items of lists, which may be in quotes.
+//! Values of settings as text: items of lists, which may be in quotes.
 
 use serde_json::Value;
 
-/// An item of a list, in quotes where it would be read as something else without them.
+/// Returns an item of a list as text, in quotes if it would be read as something else without them.
 pub(super) fn item_text(value: &Value) -> String {
     match value.as_str() {
         Some(text) => {
@@ -14,7 +14,7 @@ pub(super) fn item_text(value: &Value) -> String {
     }
 }
 
-/// A number without needless decimals, anything else as JSON.
+/// Formats a number without needless decimals, and anything else as JSON.
 pub(super) fn plain_text(value: &Value) -> String {
     match value.as_f64() {
         Some(number) if value.is_f64() => number.to_string(),
@@ -22,12 +22,12 @@ pub(super) fn plain_text(value: &Value) -> String {
     }
 }
 
-/// The value that a text means: JSON, else the text itself.
+/// Returns the value that a text represents: the value of its JSON, otherwise the text itself.
 pub(super) fn item(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|_| text.into())
 }
 
-/// The items of a list, which commas separate; or what is wrong with its quotes.
+/// Returns the items of a list, separated by commas; or a description of what is wrong with its quotes.
 pub(super) fn items(list: &str) -> Result<Vec<Value>, &'static str> {
     let mut items = Vec::new();
     let mut rest = Some(list).filter(|list| !list.is_empty());
@@ -51,7 +51,7 @@ pub(super) fn items(list: &str) -> Result<Vec<Value>, &'static str> {
     Ok(items)
 }
 
-/// Text in quotes and what follows it, or what is wrong with it.
+/// Returns the text in quotes and the rest of the text; or a description of what is wrong with the quotes.
 fn quoted(text: &str) -> Result<(String, &str), &'static str> {
     let mut values = serde_json::Deserializer::from_str(text).into_iter::<String>();
     match values.next() {

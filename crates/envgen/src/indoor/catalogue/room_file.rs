@@ -12,7 +12,7 @@ pub fn room_from_ron(text: &str) -> Result<RoomDesign, Box<ron::error::SpannedEr
     room_options().from_str(text).map_err(Box::new)
 }
 
-/// Writes a room as the text of a `.room.ron` file.
+/// Returns a room as the text of a `.room.ron` file.
 pub fn room_to_ron(room: &RoomDesign) -> String {
     let config = ron::ser::PrettyConfig::default().depth_limit(2);
     room_options().to_string_pretty(room, config).unwrap_or_default()

@@ -2,8 +2,8 @@
 //! projects and libraries of rooms, as XML.
 //!
 //! A project's root is `world` (`depth`, `width`, `name`). Its children are `room` (`name`, `x`, `y`, `theta` in
-//! quarter turns) and `door` (`x`, `y`, `direction`: 0 between the cells (x - 1, y) and (x, y), 1 between (x, y -
-//! 1) and (x, y)). x counts the depth, in rows from north to south, and y the width. A hallway is a room called
+//! quarter turns) and `door` (`x`, `y`, `direction`: 0 between the cells (x - 1, y) and (x, y), 1 between
+//! (x, y - 1) and (x, y)). x counts the depth, in rows from north to south, and y the width. A hallway is a room called
 //! `hallway` of one cell. A library's root is `roomList`; its `room`s have `name`, `src`, `size` ("depth, width,
 //! height", in cells) and `tag`.
 //!
