@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 pub struct Dials<T> {
     /// The difficulty as a whole, `d`, from the score D.
     pub difficulty: T,
-    /// How hard mapping is, `m`, from the score M.
+    /// The difficulty of mapping, `m`, from the score M.
     pub mapping: T,
-    /// How hard navigation is, `n`, from the score N.
+    /// The difficulty of navigation, `n`, from the score N.
     pub navigation: T,
 }
 
@@ -67,7 +67,7 @@ impl Estimate {
     }
 }
 
-/// What a calibration predicts for a world.
+/// The difficulty that a calibration predicts for a world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prediction {

@@ -25,7 +25,7 @@ pub(crate) struct CheapestPaths {
     before: Vec<usize>,
 }
 
-/// No cell.
+/// The predecessor of cells that were not reached.
 const NONE: usize = usize::MAX;
 
 impl CheapestPaths {

@@ -32,7 +32,7 @@ pub enum Doubt {
     TooClose,
     /// The world has more than [`MAX_PIECES`] pieces.
     Pieces,
-    /// The check would need more comparisons than [`MAX_COMPARISONS`] allows.
+    /// The check would need more comparisons than [`MAX_COMPARISONS`] and [`MAX_COMPARISONS_PER_PIECE`] allow.
     Comparisons,
     /// The check would need more than [`MAX_SQUARES`] squares.
     Squares,

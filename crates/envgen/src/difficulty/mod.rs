@@ -101,7 +101,7 @@ pub struct DifficultyVector {
     /// How well scans determine the position.
     #[serde(flatten)]
     pub localization: Localization,
-    /// How much the robot sees.
+    /// How much of the world the robot sees.
     #[serde(flatten)]
     pub visibility: Visibility,
     /// The tour of a robot without errors.

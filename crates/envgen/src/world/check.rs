@@ -50,7 +50,7 @@ pub enum Violation {
     Lanes {
         /// The road strip.
         part: PartId,
-        /// Its lanes.
+        /// Its number of lanes.
         lanes: u32,
     },
     /// A property of a part's material is not allowed.
@@ -62,7 +62,7 @@ pub enum Violation {
         field: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// The allowed values.
         allowed: &'static str,
     },
     /// A polygon is not simple, has fewer than three corners, or runs clockwise.

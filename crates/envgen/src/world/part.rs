@@ -13,7 +13,7 @@ use crate::geometry::{Pose, Shape};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wall {
-    /// What the wall is part of.
+    /// The structure of which the wall is part.
     pub kind: WallKind,
     /// The wall's outline in the plane.
     pub shape: Shape,
