@@ -1,4 +1,5 @@
-//! From observations to commands: the same for every robot backend.
+//! The robots' autonomy, which turns observations into commands. It is the same for every robot
+//! backend.
 
 use crate::backend::{Command, Observation};
 use crate::lidar::{LaserProfile, Scan};
@@ -13,8 +14,8 @@ use glam::DVec2;
 
 /// SLAM and an exploration policy for one or more robots.
 ///
-/// Without a policy, for a person who drives, it makes the map and estimates the poses, and leaves the
-/// commands to the caller.
+/// If a person drives, there is no policy: the autonomy then makes the map and estimates the poses, and
+/// leaves the commands to the caller.
 ///
 /// ```
 /// use envgen::geometry::{Pose, Rect};
@@ -59,7 +60,8 @@ pub struct Autonomy {
 }
 
 impl Autonomy {
-    /// For this number of equal robots that map an area; `policy` is `None` for a person who drives.
+    /// Creates the autonomy of a number of equal robots that map an area. `policy` is `None` if a
+    /// person drives.
     pub fn new(
         slam: Box<dyn Slam + Send + Sync>,
         policy: Option<Box<dyn ExplorationPolicy + Send + Sync>>,
@@ -83,7 +85,7 @@ impl Autonomy {
         }
     }
 
-    /// Takes in a robot's observation and updates its pose estimate and the map.
+    /// Processes an observation of a robot: updates its pose estimate and the map.
     pub fn sense(&mut self, robot: usize, seen: &Observation) {
         self.slam.step(robot, seen);
         self.since_scan[robot] = advance(self.since_scan[robot], believable(seen.odometry));
@@ -100,7 +102,7 @@ impl Autonomy {
         self.ticks[robot] += 1;
     }
 
-    /// The policy's decision for a robot now, after [`Autonomy::sense`] of the same observation.
+    /// Returns the policy's decision for a robot, after [`Autonomy::sense`] with the same observation.
     /// Without a policy the robot stops.
     pub fn decide(&mut self, robot: usize, seen: &Observation) -> Decision {
         if let Some(policy) = &mut self.policy
@@ -122,22 +124,22 @@ impl Autonomy {
         self.decisions[robot]
     }
 
-    /// SLAM: the pose estimates and the map.
+    /// Returns the SLAM estimator, with the pose estimates and the map.
     pub fn slam(&self) -> &dyn Slam {
         &*self.slam
     }
 
-    /// The policy; `None` where a person drives.
+    /// Returns the policy; `None` if a person drives.
     pub fn policy(&self) -> Option<&dyn ExplorationPolicy> {
         self.policy.as_deref().map(|policy| policy as &dyn ExplorationPolicy)
     }
 
-    /// A robot's last scan in metres, empty before the first.
+    /// Returns a robot's last scan in metres, which is empty before the first.
     pub fn scan(&self, robot: usize) -> &Scan {
         &self.scans[robot]
     }
 
-    /// Number of observations of a robot so far.
+    /// Returns the number of observations of a robot so far.
     pub fn steps(&self, robot: usize) -> u64 {
         self.ticks[robot]
     }

@@ -1,4 +1,4 @@
-//! What a robot backend and the robots' autonomy exchange: commands and observations.
+//! The interface between a robot backend and the robots' autonomy: commands and observations.
 
 use envgen::geometry::Pose;
 use envgen::scenario::{DoorCommand, ScenarioState};
@@ -32,10 +32,10 @@ pub struct Command {
 }
 
 impl Command {
-    /// No motion.
+    /// The command to stop.
     pub const STOP: Command = Command { speed: 0.0, turn_rate: 0.0 };
 
-    /// The same with 0 in place of NaN and infinite values, which no log can hold.
+    /// Returns the command with 0 in place of NaN and infinite values, which no log can hold.
     pub(crate) fn finite(self) -> Command {
         let or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
         Command { speed: or_zero(self.speed), turn_rate: or_zero(self.turn_rate) }
@@ -45,22 +45,22 @@ impl Command {
 /// What a robot measured in a tick.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observation {
-    /// Simulated seconds since the start.
+    /// Simulated time since the start, in seconds.
     pub time: f64,
-    /// What the wheels measured in this tick.
+    /// Motion in this tick, as measured by the wheels.
     pub odometry: Increment,
-    /// The laser's scan, in the ticks in which one is taken.
+    /// The laser's scan, in ticks that have one.
     pub scan: Option<Scan>,
-    /// The water that its camera sees, as [`crate::water::seen`] gives it, in the ticks of scans;
-    /// `None` between them.
+    /// The water that the robot's camera sees, as returned by [`crate::water::seen`], in ticks that
+    /// have a scan; `None` otherwise.
     pub water: Option<Vec<DVec2>>,
     /// Whether the robot touches a solid part or another robot.
     pub bumped: bool,
-    /// Seconds that the battery will still last.
+    /// Seconds until the battery is empty.
     pub battery: f64,
 }
 
-/// The state of a robot.
+/// Whether a robot can still drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
@@ -72,48 +72,52 @@ pub enum Condition {
     Removed,
 }
 
-/// A simulator that moves one or more robots in a world and senses for them: the flat simulator or
-/// one of your own.
+/// A simulator that moves one or more robots in a world and senses for them: the flat simulator or a
+/// custom one.
 ///
 /// In each tick a trial calls [`RobotBackend::observe`] for each robot, asks for the commands, and
 /// calls [`RobotBackend::advance`] once. The first observation, before the first command, has a scan
 /// and no motion.
 pub trait RobotBackend {
-    /// Name of the backend in logs and reports: `flat`, `rapier`, or a name of your own.
+    /// Returns the name of the backend for logs and reports: `flat`, `rapier`, or a custom name.
     fn engine(&self) -> &str;
 
-    /// What a robot measures now. Called once per tick for each robot, in order.
+    /// Returns what a robot measures now. It is called once per tick for each robot, in order.
     fn observe(&mut self, robot: usize) -> Observation;
 
-    /// Carries out one command per robot for one [`TICK`], within the robots' limits. Lost robots
-    /// stay where they are.
+    /// Carries out one command per robot for one [`TICK`], within the robots' limits. Drowned and
+    /// removed robots stay where they are.
     fn advance(&mut self, commands: &[Command]);
 
-    /// The true pose of a robot in the world's frame: for scores, never for SLAM or policies.
+    /// Returns the true pose of a robot in the world's frame. It is for scores, never for SLAM or
+    /// policies.
     fn pose(&self, robot: usize) -> Pose;
 
-    /// The state of a robot now.
+    /// Returns whether a robot can still drive.
     fn condition(&self, robot: usize) -> Condition;
 
-    /// Number of collisions of a robot so far, those with people aside.
+    /// Returns the number of collisions of a robot so far, without those with people.
     fn collisions(&self, robot: usize) -> u32;
 
-    /// Number of collisions of a robot with people so far.
+    /// Returns the number of collisions of a robot with people so far.
     fn person_collisions(&self, robot: usize) -> u32 {
         let _ = robot;
         0
     }
 
-    /// The doors, people and smoke of its scenario as they are now; `None` where nothing moves.
+    /// Returns the current state of the scenario's doors, people and smoke; `None` if nothing moves.
     fn scenario(&self) -> Option<&ScenarioState> {
         None
     }
 
-    /// Commands a door of its scenario, as [`ScenarioState::command_door`] does. Replays need it where logs hold
-    /// commands to doors; in a backend without it they end with an error.
+    /// Commands a door of the scenario, as [`ScenarioState::command_door`] does.
+    ///
+    /// Replays need it if the log holds commands to doors. In a backend that does not implement it they
+    /// end with an error.
     ///
     /// # Errors
-    /// When there is no such door.
+    ///
+    /// If there is no such door.
     fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
         let _ = command;
         let engine = self.engine();
@@ -131,7 +135,7 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// The built-in sensors of robot number `robot` (from 0), with noise drawn from `seed`.
+    /// Creates the built-in sensors of robot number `robot` (from 0). Their noise is drawn from `seed`.
     pub fn new(laser: &LaserProfile, odometry: &OdometryProfile, seed: Seed, robot: u64) -> Self {
         Sensors {
             laser: Box::new(Laser::new(laser.clone(), seed, robot)),

@@ -1,4 +1,5 @@
-//! The fast simulator: discs that drive in a world, collide with its solids and slide along them.
+//! The flat simulator: a fast robot backend in which robots are discs that collide with solids and
+//! slide along them.
 
 mod moving;
 
@@ -20,7 +21,7 @@ use crate::odometry::{Increment, OdometryProfile};
 use crate::robot::Robot;
 use crate::water;
 
-/// How often a disc is pushed out of solids before it returns to where it was.
+/// Greatest number of times that a disc is pushed out of solids before it returns to where it was.
 const PUSHES: usize = 8;
 
 /// Depth in metres to which a disc may overlap a solid.
@@ -29,7 +30,7 @@ const SLACK: f64 = 1e-6;
 /// Ticks without contact after which the next contact is another collision.
 const TICKS_BETWEEN_COLLISIONS: u32 = 10;
 
-/// A world indexed for the simulator; trials in one world may share it.
+/// A world indexed for the flat simulator. Trials in the same world may share it.
 #[derive(Clone, Debug)]
 pub struct FlatWorld {
     rays: Raycaster,
@@ -38,12 +39,13 @@ pub struct FlatWorld {
 }
 
 impl FlatWorld {
-    /// Indexes a world for robots whose bodies are not larger than `robot`'s, and as high, with their lasers
-    /// at its laser's height: what lies below or above a laser is not seen, and what is above the body stops
-    /// no robot.
+    /// Indexes a world for robots that are as high as `robot` and not larger, with their lasers as high
+    /// as its laser. What is below or above the laser is not seen, and what is above the body stops no
+    /// robot.
     ///
     /// # Errors
-    /// If [`Robot::validate`] refuses the robot.
+    ///
+    /// If [`Robot::validate`] rejects the robot.
     pub fn new(world: &World, robot: &Robot) -> Result<Self, SpecError> {
         robot.validate()?;
         Ok(FlatWorld {
@@ -54,11 +56,11 @@ impl FlatWorld {
     }
 }
 
-/// Robots as discs of their circumscribed radius.
+/// The flat simulator: robots are discs of their circumscribed radius.
 ///
-/// A disc that touches a solid slides along it; its wheels are stalled by the contact, so
-/// that odometry measures the path that was really driven. Robots are solid to each other and seen by
-/// each other's lasers. Ground of speed 0 stops a disc's centre, water drowns it.
+/// A disc that touches a solid slides along it. The contact stalls its wheels, so that odometry
+/// measures the distance that the disc really moved. Robots are solid to each other, and their lasers
+/// see each other. Ground of speed 0 stops a disc at its centre, and in water a robot drowns.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -91,7 +93,7 @@ pub struct FlatSimulator {
     ticks: u32,
     discs: Vec<Disc>,
     exact: Vec<f64>,
-    /// The beams that end at something too dark to be seen from there, and where.
+    /// The beams that end at a part too dark to be seen from there, and their exact ranges.
     unseen: Vec<(usize, f64)>,
     /// The doors, people and smoke of a scenario.
     moving: Option<Box<Moving>>,
@@ -114,12 +116,13 @@ struct Disc {
 }
 
 impl FlatSimulator {
-    /// Name of the backend in logs and reports.
+    /// The name of the backend in logs and reports.
     pub const ENGINE: &str = "flat";
 
-    /// Robots at their starts; their sensor noise follows from the seed.
+    /// Creates robots at their starts. The noise of their sensors follows from the seed.
     ///
     /// # Panics
+    ///
     /// If the robot or one of the profiles is not valid.
     #[track_caller]
     pub fn new(
@@ -136,9 +139,10 @@ impl FlatSimulator {
         FlatSimulator::with_sensors(world, robot, starts, laser, sensors)
     }
 
-    /// The same with sensors of your own, one set per start.
+    /// Creates robots with custom sensors, one set per start.
     ///
     /// # Panics
+    ///
     /// If the robot or the laser's profile is not valid.
     #[track_caller]
     pub fn with_sensors(
@@ -178,8 +182,8 @@ impl FlatSimulator {
         }
     }
 
-    /// With everything that moves in a scenario of the same world; draws of smoke follow from the seed. People
-    /// and leaves are solid and seen by lasers, and smoke blinds these.
+    /// Adds everything that moves in a scenario of the same world. People and door leaves are solid and
+    /// seen by lasers, and smoke blinds the lasers. Random draws of smoke follow from the seed.
     #[must_use]
     pub fn in_scenario(mut self, state: ScenarioState, seed: Seed) -> Self {
         self.moving = Some(Box::new(Moving::new(state, &self.laser, seed)));
@@ -207,7 +211,8 @@ impl FlatSimulator {
         zero
     }
 
-    /// Shortens ranges that end at a leaf or a person, and applies smoke. Returns the beams that then read 0.
+    /// Shortens ranges that end at a door leaf or a person, and applies smoke. Returns the beams that
+    /// then read 0.
     fn see_moving(&mut self, robot: usize, from: Pose) -> Vec<usize> {
         let Some(moving) = &mut self.moving else { return Vec::new() };
         let beams = 0..self.exact.len();
@@ -250,7 +255,7 @@ impl FlatSimulator {
                 if depth > deepest {
                     deepest = depth;
                     nearest = what;
-                    // A centre on an outline is pushed back to where it came from.
+                    // A centre on an outline is pushed back to the side that it came from.
                     let away = (at - toward).try_normalize();
                     push = away.or((from - at).try_normalize()).unwrap_or(DVec2::ZERO) * depth;
                 }
@@ -274,7 +279,7 @@ impl FlatSimulator {
             touching = touching.max(Some(nearest));
             at += push;
         }
-        // Wedged: it stays, unless it was no better before.
+        // The disc is wedged: it stays where it is, unless it was no better before.
         if deepest > SLACK && self.depth(robot, at) > self.depth(robot, from).max(SLACK) {
             at = from;
         }
@@ -361,7 +366,7 @@ impl RobotBackend for FlatSimulator {
             let zero = self.scan(robot, from);
             let mut scan = self.discs[robot].sensors.laser.measure(&self.exact);
             for beam in zero {
-                // A sensor of one's own may give fewer ranges.
+                // A custom sensor may return fewer ranges.
                 if let Some(range) = scan.ranges.get_mut(beam) {
                     *range = 0.0;
                 }
@@ -429,7 +434,7 @@ impl RobotBackend for FlatSimulator {
     }
 }
 
-/// One step of at most `change` from a value towards another.
+/// Moves a value by at most `change` towards another.
 fn toward(value: f64, wanted: f64, change: f64) -> f64 {
     value + (wanted - value).clamp(-change, change)
 }

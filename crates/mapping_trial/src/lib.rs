@@ -1,5 +1,5 @@
-//! Mapping trials: a simulated robot maps a world that it does not know, and the map that it made
-//! is scored against what could be mapped. Difficulty is measured, not requested.
+//! Mapping trials: a simulated robot maps a world that it does not know, and its map is scored against
+//! what it could have mapped. Difficulty is measured by such trials, not requested.
 //!
 //! ```
 //! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -19,29 +19,29 @@
 //!
 //! # Modules
 //!
-//! | what | where |
+//! | Task | Modules |
 //! |---|---|
-//! | the robot and its sensors | [`robot`], [`lidar`], [`odometry`], [`water`] |
-//! | robot backends: they take commands and give observations | [`backend`], [`flat`] |
-//! | where the robot is, and what is around it | [`slam`], [`map`] |
-//! | where it goes next | [`policy`] |
-//! | both together: observation in, command out | [`autonomy`] |
-//! | programs in processes of their own in their place | `driver` |
-//! | pictures of maps | `picture` |
-//! | bags of ROS 2 | `ros_bag` |
-//! | the protocol: clock, ends, log and replay | [`trial`] |
-//! | what could be mapped, and how well it was | [`mappable_area`], [`score`] |
-//! | trajectories as text | [`tum`] |
-//! | the operator's rating of it | [`feedback`] |
-//! | many trials at once, and their statistics | `experiment` |
-//! | how difficult a world is, measured by trials | `difficulty` |
+//! | Robots and their sensors | [`robot`], [`lidar`], [`odometry`], [`water`] |
+//! | Robot backends, which take commands and give observations | [`backend`], [`flat`] |
+//! | Localisation and mapping | [`slam`], [`map`] |
+//! | Exploration: where a robot goes next | [`policy`] |
+//! | SLAM and policy together, from observations to commands | [`autonomy`] |
+//! | Programs in other processes that take their place | `driver` |
+//! | Pictures of maps | `picture` |
+//! | Bags of ROS 2 | `ros_bag` |
+//! | Trials: clock, end conditions, log and replay | [`trial`] |
+//! | The area that can be mapped, and the scores of a map | [`mappable_area`], [`score`] |
+//! | Trajectories as text | [`tum`] |
+//! | Ratings by human operators | [`feedback`] |
+//! | Many trials at once, and their statistics | `experiment` |
+//! | The difficulty of a world, measured by trials | `difficulty` |
 //!
 //! # Guarantees
 //!
-//! - The same world, settings and seed give the same trial to the last bit, on every platform, in
-//!   debug and release, with any number of threads.
-//! - Metres, radians and seconds in `f64`; the map's frame is the world's, since a trial gives its
-//!   robots the poses where they start.
+//! - The same world, settings and seed give the same trial to the last bit: on every platform, in debug
+//!   and release builds, and with any number of threads.
+//! - Lengths, angles and times are `f64` in metres, radians and seconds. The map has the frame of the
+//!   world, since a trial gives its robots the poses where they start.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

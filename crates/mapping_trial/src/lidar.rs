@@ -1,4 +1,4 @@
-//! The laser: its profiles, its scans and its errors.
+//! Laser scanners: their profiles, scans and errors.
 
 mod in_scenario;
 mod profile;
@@ -12,17 +12,21 @@ pub use in_scenario::{Rays, ScenarioSight};
 pub use profile::LaserProfile;
 pub use scan::{NO_ECHO, Scan, UNSEEN};
 
-/// Random numbers per beam, used or not, so that a beam's errors do not depend on other beams.
+/// Random numbers drawn per beam, whether they are used or not, so that the errors of a beam do not
+/// depend on other beams.
 const DRAWS_A_BEAM: usize = 4;
 
-/// Least difference in metres between neighbouring ranges at which a beam can hit both.
+/// Least difference in metres between neighbouring ranges at which one beam can hit both surfaces.
 const MIXED_PIXEL_JUMP: f64 = 0.3;
 
-/// Turns exact ranges into what a laser measures: [`Laser`], or an error model of your own.
+/// A model of a laser scanner, which turns exact ranges into measured ones. The built-in model is
+/// [`Laser`].
 ///
-/// Beams, field of view, greatest range and rate are those of the trial's [`LaserProfile`], whatever
-/// the sensor makes of them: [`NO_ECHO`] says that a beam is free up to the profile's range. One of your own is plugged
-/// in by [`TrialBuilder::laser`](crate::trial::TrialBuilder::laser).
+/// The trial's [`LaserProfile`] always sets the beams, the field of view, the greatest range and the
+/// scan rate, whatever the sensor returns. In particular, [`NO_ECHO`] means that a beam is free up to
+/// the profile's greatest range.
+///
+/// A custom model is plugged in with [`TrialBuilder::laser`](crate::trial::TrialBuilder::laser).
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -48,18 +52,18 @@ const MIXED_PIXEL_JUMP: f64 = 0.3;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait LaserSensor {
-    /// Its name in logs and reports of trials that it is plugged into; the type's path by
-    /// default.
+    /// Returns the name of a plugged-in sensor for logs and reports. The default is the path of the
+    /// type.
     fn name(&self) -> &str {
         std::any::type_name::<Self>()
     }
 
-    /// The next scan, from exact ranges, one per beam. A range of the profile's `max_range` or more
-    /// is no echo, NaN ([`UNSEEN`]) an echo that is too weak.
+    /// Returns the next scan, given the exact ranges, one per beam. A range of the profile's
+    /// `max_range` or more has no echo; NaN ([`UNSEEN`]) is an echo that is too weak.
     fn measure(&mut self, exact: &[f64]) -> Scan;
 }
 
-/// The laser of one robot in one run.
+/// The built-in model of a laser scanner: the laser of one robot in one run.
 ///
 /// ```
 /// use envgen::Seed;
@@ -80,10 +84,11 @@ pub struct Laser {
 }
 
 impl Laser {
-    /// The laser of robot number `robot` (from 0), with noise drawn from `seed`.
+    /// Creates the laser of robot number `robot` (from 0). Its noise is drawn from `seed`.
     ///
     /// # Panics
-    /// If [`LaserProfile::validate`] refuses the profile.
+    ///
+    /// If [`LaserProfile::validate`] rejects the profile.
     #[track_caller]
     pub fn new(profile: LaserProfile, seed: Seed, robot: u64) -> Self {
         if let Err(error) = profile.validate() {
@@ -113,7 +118,8 @@ impl LaserSensor for Laser {
                     range = here + place * (next - here);
                 }
             }
-            // Faults of one beam come from one number: the rarest ones from its upper end.
+            // One random number decides on all faults of a beam: the rarest faults are at its upper
+            // end.
             if fault >= 1.0 - p.dropout {
                 return f64::NAN;
             }
@@ -124,7 +130,7 @@ impl LaserSensor for Laser {
                 return NO_ECHO;
             }
             if p.sigma > 0.0 {
-                // Box and Muller's normal takes two numbers always, unlike the polar method.
+                // The method of Box and Muller always takes two numbers, unlike the polar method.
                 let normal = (-2.0 * libm::log(1.0 - radius)).sqrt() * libm::cos(TAU * angle);
                 range += p.sigma * normal;
             }
@@ -137,10 +143,10 @@ impl LaserSensor for Laser {
     }
 }
 
-/// [`f64::round`], which is a call on most processors.
+/// Rounds as [`f64::round`], which is a function call on most processors.
 #[inline]
 fn rounded(number: f64) -> f64 {
-    // Greater numbers are whole.
+    // Numbers from here on are integers.
     const WHOLE: f64 = (1_u64 << 52) as f64;
     if number.is_nan() || number.abs() >= WHOLE {
         return number;

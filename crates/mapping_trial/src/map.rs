@@ -1,4 +1,4 @@
-//! The map that a robot makes: log odds of occupancy on a grid that grows.
+//! The occupancy map that robots make: log odds on a grid that grows.
 
 use envgen::geometry::{Pose, Rect};
 use glam::{DVec2, IVec2};
@@ -9,17 +9,17 @@ pub const RESOLUTION: f64 = 0.05;
 /// Cells along a side of a tile.
 pub const TILE: i32 = 32;
 
-/// Hundredths of log odds that an echo adds to its cell.
+/// Log odds in hundredths that an echo adds to its cell.
 pub const HIT: i16 = 85;
 
-/// Hundredths of log odds that a ray takes from each cell that it passes through.
+/// Log odds in hundredths that a ray subtracts from each cell that it passes through.
 pub const MISS: i16 = 40;
 
 /// Greatest absolute log odds of a cell, in hundredths.
 pub const CLAMP: i16 = 400;
 
-/// Log odds in hundredths above which a cell is occupied (probability 0.65), and below whose
-/// negative it is free (0.35).
+/// Log odds in hundredths above which a cell is occupied (probability 0.65). Below their negative it is
+/// free (0.35).
 pub const DECIDED: i16 = 62;
 
 /// Greatest number of tiles along a side of the map: 6.5 km.
@@ -36,7 +36,7 @@ pub enum Cell {
     Occupied,
 }
 
-/// Column and row of a cell; cell (0, 0) has its lower left corner at the frame's origin.
+/// The column and row of a cell. Cell (0, 0) has its lower left corner at the frame's origin.
 ///
 /// ```
 /// use envgen::glam::DVec2;
@@ -49,21 +49,21 @@ pub enum Cell {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CellIndex {
-    /// Column, to the right.
+    /// Column, which increases to the right.
     pub col: i32,
-    /// Row, upwards.
+    /// Row, which increases upwards.
     pub row: i32,
 }
 
 impl CellIndex {
-    /// The cell that contains a point, in metres in the map's frame.
+    /// Returns the cell that contains a point, given in metres in the map's frame.
     #[inline]
     pub fn of(p: DVec2) -> CellIndex {
         let cell = floor(p * (1.0 / RESOLUTION));
         CellIndex { col: cell.x, row: cell.y }
     }
 
-    /// The centre of the cell in metres.
+    /// Returns the centre of the cell in metres.
     pub fn centre(self) -> DVec2 {
         (DVec2::new(f64::from(self.col), f64::from(self.row)) + 0.5) * RESOLUTION
     }
@@ -74,10 +74,10 @@ impl CellIndex {
     }
 }
 
-/// Occupancy in log odds, tile by tile, in the world's frame.
+/// An occupancy grid of log odds in the world's frame, stored in tiles.
 ///
 /// Every tile has the revision of its last change, so that what is derived from a map (frontiers,
-/// costs, pictures) can be updated where the map changed.
+/// costs, pictures) can be updated only where the map changed.
 ///
 /// ```
 /// use envgen::glam::DVec2;
@@ -112,27 +112,29 @@ struct Tile {
     cells: Box<[i16]>,
 }
 
-/// A tile that does not exist.
+/// The index of a tile that does not exist.
 const NONE: u32 = u32::MAX;
 
 impl OccupancyMap {
-    /// An unknown map.
+    /// Creates a map in which every cell is unknown.
     pub fn new() -> Self {
         OccupancyMap::default()
     }
 
-    /// An unknown map that replaces another one: its changes are later than all of that one's.
+    /// Creates an unknown map that replaces another one, so that its changes are later than those of
+    /// the other.
     #[cfg(feature = "driver")]
     pub(crate) fn after(before: &OccupancyMap) -> Self {
         OccupancyMap { revision: before.revision + 1, ..OccupancyMap::default() }
     }
 
-    /// Rises with every change that [`OccupancyMap::touch`] announces.
+    /// Returns the revision of the map, which rises with every change that [`OccupancyMap::touch`]
+    /// announces.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// The state of a cell.
+    /// Returns the state of a cell.
     pub fn cell(&self, index: CellIndex) -> Cell {
         let odds = self.log_odds(index);
         if odds > DECIDED {
@@ -144,14 +146,14 @@ impl OccupancyMap {
         }
     }
 
-    /// Log odds of a cell in hundredths, 0 where nothing is known.
+    /// Returns the log odds of a cell in hundredths, which are 0 where nothing is known.
     pub fn log_odds(&self, index: CellIndex) -> i16 {
         let (col, row) = index.tile();
         self.slot(col, row).map_or(0, |slot| self.tiles[slot].cells[place(index)])
     }
 
-    /// Adds hundredths of log odds to a cell, within [`CLAMP`]. Cells farther out than the map can
-    /// grow stay unknown.
+    /// Adds log odds in hundredths to a cell, within [`CLAMP`]. Cells farther out than the map can grow
+    /// stay unknown.
     ///
     /// ```
     /// use mapping_trial::map::{CLAMP, CellIndex, HIT, OccupancyMap};
@@ -170,8 +172,8 @@ impl OccupancyMap {
         *cell = cell.saturating_add(change).clamp(-CLAMP, CLAMP);
     }
 
-    /// Announces that cells in a rectangle (in metres) have changed: the revision of the map and of
-    /// the tiles there rises.
+    /// Announces that cells in a rectangle (in metres) have changed: the revisions of the map and of
+    /// the tiles there rise.
     ///
     /// ```
     /// use mapping_trial::map::{CellIndex, MISS, OccupancyMap};
@@ -197,8 +199,8 @@ impl OccupancyMap {
         }
     }
 
-    /// Makes every cell unknown, and announces it. The tiles stay, so that what is derived from
-    /// the map is updated for cells that are not drawn again.
+    /// Makes every cell unknown, and announces the change. The tiles stay, so that what is derived from
+    /// the map is also updated for cells that are not drawn again.
     pub fn clear(&mut self) {
         self.revision += 1;
         for tile in &mut self.tiles {
@@ -207,14 +209,14 @@ impl OccupancyMap {
         }
     }
 
-    /// Begins a change: the tiles that [`OccupancyMap::tile_mut`] returns until the next one get a
-    /// new revision.
+    /// Begins a change: the tiles that [`OccupancyMap::tile_mut`] returns from now on get a new
+    /// revision.
     pub(crate) fn begin(&mut self) {
         self.revision += 1;
     }
 
-    /// The cells of a tile, to be changed as part of the change that was begun; `None` where the
-    /// map may not grow.
+    /// Returns the cells of a tile, to be changed as part of the change that was begun; `None` where
+    /// the map may not grow.
     pub(crate) fn tile_mut(&mut self, col: i32, row: i32) -> Option<&mut [i16]> {
         let slot = self.slot(col, row).or_else(|| self.grow(col, row))?;
         let tile = &mut self.tiles[slot];
@@ -222,7 +224,8 @@ impl OccupancyMap {
         Some(&mut tile.cells)
     }
 
-    /// The rectangle in metres around all tiles that were ever written; `None` before the first.
+    /// Returns the rectangle in metres around all tiles that were ever written; `None` before the
+    /// first.
     pub fn bounds(&self) -> Option<Rect> {
         let side = f64::from(TILE) * RESOLUTION;
         Rect::around(self.tiles.iter().flat_map(|tile| {
@@ -231,19 +234,20 @@ impl OccupancyMap {
         }))
     }
 
-    /// The tiles that have changed since a revision: their columns and rows, in no particular but a
-    /// repeatable order. Cell columns of tile column c are c * [`TILE`] to c * [`TILE`] + TILE - 1.
+    /// Returns the columns and rows of the tiles that have changed since a revision, in an arbitrary
+    /// but repeatable order. Tile column c has the cell columns c * [`TILE`] to c * [`TILE`] + TILE -
+    /// 1.
     pub fn changed_since(&self, revision: u64) -> impl Iterator<Item = (i32, i32)> + '_ {
         self.tiles.iter().filter(move |tile| tile.revision > revision).map(|tile| tile.at)
     }
 
-    /// Every tile that was ever written: column, row and the log odds of its cells as
-    /// [`OccupancyMap::tile`] gives them, in no particular but a repeatable order.
+    /// Returns every tile that was ever written, in an arbitrary but repeatable order: its column, its
+    /// row and the log odds of its cells as in [`OccupancyMap::tile`].
     pub fn tiles(&self) -> impl Iterator<Item = ((i32, i32), &[i16])> + '_ {
         self.tiles.iter().map(|tile| (tile.at, &*tile.cells))
     }
 
-    /// The log odds of a tile's cells in hundredths, row by row from below; `None` for a tile
+    /// Returns the log odds of a tile's cells in hundredths, row by row from below; `None` for a tile
     /// that was never written.
     pub fn tile(&self, col: i32, row: i32) -> Option<&[i16]> {
         self.slot(col, row).map(|slot| &*self.tiles[slot].cells)
@@ -258,7 +262,7 @@ impl OccupancyMap {
         (slot != NONE).then_some(slot as usize)
     }
 
-    /// Creates a tile, and extends the table if needed; `None` where the map may not grow.
+    /// Creates a tile and extends the table if needed; `None` where the map may not grow.
     fn grow(&mut self, col: i32, row: i32) -> Option<usize> {
         let empty = self.table.is_empty();
         let low = if empty { (col, row) } else { (self.corner.0.min(col), self.corner.1.min(row)) };
@@ -290,8 +294,8 @@ impl OccupancyMap {
     }
 }
 
-/// The greatest whole numbers that are not above two numbers, saturating, 0 for NaN. Where the processor that is
-/// built for has no instruction for it, `f64::floor` is a call.
+/// The greatest integers that are not above two numbers; saturating, and 0 for NaN. On processors
+/// without an instruction for it, `f64::floor` would be a function call.
 #[inline]
 pub(crate) fn floor(p: DVec2) -> IVec2 {
     let floor = |v: f64| {
@@ -306,14 +310,14 @@ fn place(index: CellIndex) -> usize {
     (index.row.rem_euclid(TILE) * TILE + index.col.rem_euclid(TILE)) as usize
 }
 
-/// An estimated pose of a robot, and its uncertainty.
+/// An estimated pose of a robot, with its uncertainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The estimated pose.
     pub pose: Pose,
-    /// Standard deviation of the position in metres, according to the estimator.
+    /// Standard deviation of the position in metres, as the estimator sees it.
     pub deviation: f64,
-    /// Standard deviation of the heading in radians, according to the estimator.
+    /// Standard deviation of the heading in radians, as the estimator sees it.
     pub heading_deviation: f64,
 }
 

@@ -7,7 +7,7 @@ use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
 use crate::slam::{SlamKind, WheelCalibration};
 
-/// A value that has a name.
+/// A value that has a name in commands and reports.
 ///
 /// ```
 /// use mapping_trial::lidar::LaserProfile;
@@ -18,17 +18,17 @@ use crate::slam::{SlamKind, WheelCalibration};
 /// # Ok::<(), envgen::SpecError>(())
 /// ```
 pub trait Named: Clone + PartialEq + Sized + 'static {
-    /// The field that errors name.
+    /// The field that errors refer to.
     const FIELD: &'static str;
 
-    /// All names and their values.
+    /// All names, with their values.
     const NAMES: &'static [(&'static str, Self)];
 
-    /// The value of a name.
+    /// Returns the value of a name.
     ///
     /// # Errors
     ///
-    /// A name that is not in [`Named::NAMES`]; the error lists them.
+    /// If the name is not in [`Named::NAMES`]. The error lists them.
     fn named(name: &str) -> Result<Self, SpecError> {
         let known = Self::NAMES.iter().find(|(known, _)| *known == name);
         known.map(|(_, value)| value.clone()).ok_or_else(|| {
@@ -37,7 +37,7 @@ pub trait Named: Clone + PartialEq + Sized + 'static {
         })
     }
 
-    /// Its name; `None` for a profile of your own.
+    /// Returns the name of this value; `None` for a custom profile.
     fn name(&self) -> Option<&'static str> {
         Self::NAMES.iter().find(|(_, value)| value == self).map(|(name, _)| *name)
     }

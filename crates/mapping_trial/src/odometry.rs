@@ -4,7 +4,7 @@ use envgen::distribution::standard_normal;
 use envgen::{Seed, SpecError, Stream, settings};
 use serde::{Deserialize, Serialize};
 
-/// A motion in the robot's own frame: a distance ahead and a turn, as small as in one tick.
+/// A small motion in the robot's own frame, such as that of one tick: a distance ahead and a turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Increment {
     /// Distance ahead in metres, negative backwards.
@@ -14,8 +14,10 @@ pub struct Increment {
 }
 
 settings! {
-    /// Errors of wheel odometry: variances linear in the distance, so that they do not depend on how
-    /// often it is read, and systematic errors drawn once per run.
+    /// The errors of wheel odometry.
+    ///
+    /// Random errors have variances that are proportional to the motion, so that they do not depend on
+    /// how often the wheels are read. Systematic errors are drawn once per run.
     ///
     /// ```
     /// use envgen::Seed;
@@ -32,23 +34,23 @@ settings! {
     /// assert!(error > 1e-6 && error < 6.0);
     /// ```
     pub struct OdometryProfile {
-        /// Variance of the distance per distance.
+        /// Variance of the measured distance per metre of distance.
         k_ss: f64 = OdometryProfile::SKID.k_ss => number("m^2/m", 0.0..=1.0);
-        /// Variance of the distance per turning.
+        /// Variance of the measured distance per radian of turning.
         k_st: f64 = OdometryProfile::SKID.k_st => number("m^2/rad", 0.0..=1.0);
-        /// Variance of the turn per turning.
+        /// Variance of the measured turn per radian of turning.
         k_tt: f64 = OdometryProfile::SKID.k_tt => number("rad^2/rad", 0.0..=1.0);
-        /// Variance of the turn per distance.
+        /// Variance of the measured turn per metre of distance.
         k_ts: f64 = OdometryProfile::SKID.k_ts => number("rad^2/m", 0.0..=1.0);
-        /// Standard deviation of a run's relative error of distances.
+        /// Standard deviation of the relative error of distances, which is drawn once per run.
         b_s: f64 = OdometryProfile::SKID.b_s => number("", 0.0..=1.0);
-        /// Standard deviation of a run's relative error of turns.
+        /// Standard deviation of the relative error of turns, which is drawn once per run.
         b_t: f64 = OdometryProfile::SKID.b_t => number("", 0.0..=1.0);
     }
 }
 
 impl OdometryProfile {
-    /// A robot on good ground.
+    /// The wheels of a robot on good ground.
     pub const MILD: OdometryProfile = OdometryProfile {
         k_ss: 2.5e-4,
         k_st: 1e-5,
@@ -57,10 +59,10 @@ impl OdometryProfile {
         b_s: 0.015,
         b_t: 0.025,
     };
-    /// A skid-steered robot, the default.
+    /// The wheels of a skid-steered robot, which are the default.
     pub const SKID: OdometryProfile =
         OdometryProfile { k_st: 1e-4, k_tt: 1.2e-3, b_t: 0.05, ..OdometryProfile::MILD };
-    /// A skid-steered robot whose wheels slip.
+    /// The wheels of a skid-steered robot that slips.
     pub const POOR: OdometryProfile =
         OdometryProfile { k_tt: 3e-3, b_t: 0.10, ..OdometryProfile::SKID };
     /// Wheels that measure exactly.
@@ -72,28 +74,30 @@ impl OdometryProfile {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first field that is not allowed, as `odometry.k_ss`.
+    ///
+    /// Names the first field whose value is not allowed, such as `odometry.k_ss`.
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check_fields().map_err(|error| error.within("odometry"))
     }
 }
 
-/// Turns true motions into what wheels measure: [`Odometry`], or an error model of your own.
+/// A model of wheel encoders, which turns true motions into measured ones. The built-in model is
+/// [`Odometry`].
 ///
-/// One of your own is plugged in by [`TrialBuilder::odometry`](crate::trial::TrialBuilder::odometry).
+/// A custom model is plugged in with [`TrialBuilder::odometry`](crate::trial::TrialBuilder::odometry).
 pub trait WheelSensor {
-    /// Its name in logs and reports of trials that it is plugged into; the type's path by
-    /// default.
+    /// Returns the name of a plugged-in sensor for logs and reports. The default is the path of the
+    /// type.
     fn name(&self) -> &str {
         std::any::type_name::<Self>()
     }
 
-    /// What is measured of the motion of a tick, on ground that multiplies the variances of errors
-    /// by `factor`.
+    /// Returns the measured motion of a tick, given the true one. The ground multiplies the variances
+    /// of the errors by `factor`.
     fn measure(&mut self, motion: Increment, factor: f64) -> Increment;
 }
 
-/// The wheels of one robot in one run.
+/// The built-in model of wheel encoders: the wheels of one robot in one run.
 ///
 /// ```
 /// use envgen::Seed;
@@ -113,10 +117,11 @@ pub struct Odometry {
 }
 
 impl Odometry {
-    /// The wheels of robot number `robot` (from 0), with noise drawn from `seed`.
+    /// Creates the wheels of robot number `robot` (from 0). Their noise is drawn from `seed`.
     ///
     /// # Panics
-    /// If [`OdometryProfile::validate`] refuses the profile.
+    ///
+    /// If [`OdometryProfile::validate`] rejects the profile.
     #[track_caller]
     pub fn new(profile: OdometryProfile, seed: Seed, robot: u64) -> Self {
         if let Err(error) = profile.validate() {
@@ -159,7 +164,7 @@ mod tests {
         Odometry::new(OdometryProfile { k_st: f64::NAN, ..OdometryProfile::MILD }, Seed(0), 0);
     }
 
-    /// Mean and variance of the distance measured in `ways` runs, each cut into `steps`.
+    /// Mean and variance of the distance measured in many runs, each cut into `steps`.
     fn distances(steps: u32, profile: &OdometryProfile) -> (f64, f64) {
         let runs = 2000;
         let totals: Vec<f64> = (0..runs)

@@ -1,4 +1,4 @@
-//! Pictures of maps: the robot's map, the mappable area, and both over each other, with trajectories.
+//! Pictures of maps, with trajectories: the robot's map, the mappable area, and their differences.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use crate::map::{Cell, CellIndex, OccupancyMap, RESOLUTION};
 use crate::mappable_area::MappableArea;
 use envgen::distance::squared_distances;
 
-/// Greatest number of pixels along a side: larger areas have coarser pixels.
+/// Greatest number of pixels along a side. Larger areas have coarser pixels.
 const MAX_SIDE: f64 = 4000.0;
 
 /// Distance in metres up to which a wall counts as mapped in its place, as in the scores.
@@ -77,7 +77,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A map: free cells white, occupied ones black, unknown ones grey, as usual for ROS maps.
+    /// Draws a map: free cells white, occupied ones black, unknown ones grey, as usual for ROS maps.
     pub fn of_map(map: &OccupancyMap, area: Rect) -> Self {
         let mut picture = Picture::empty(area);
         // Outside of its bounds the map knows nothing.
@@ -91,8 +91,8 @@ impl Picture {
         picture
     }
 
-    /// The mappable area: the ground that the robot can reach white, the walls that can be seen
-    /// from there black, the rest light grey.
+    /// Draws the mappable area: ground that the robot can reach white, walls that can be seen from
+    /// there black, the rest light grey.
     pub fn of_truth(truth: &MappableArea, area: Rect) -> Self {
         let mut picture = Picture::of_map(&truth.perfect_map(), area);
         for class in picture.classes.iter_mut().filter(|class| **class == PixelClass::Unknown) {
@@ -101,9 +101,9 @@ impl Picture {
         picture
     }
 
-    /// A map over the mappable area: walls in their place black, walls that do not exist vermilion,
-    /// walls that the map does not show blue, ground that it does not show as free light blue, and
-    /// light grey where there is nothing to map.
+    /// Compares a map with the mappable area: walls in their place black, walls that do not exist
+    /// vermilion, walls that the map does not show blue, ground that it does not show as free light
+    /// blue, and light grey where there is nothing to map.
     pub fn of_errors(truth: &MappableArea, map: &OccupancyMap, area: Rect) -> Self {
         let mut picture = Picture::of_map(map, area);
         let perfect = Picture::of_truth(truth, area);
@@ -128,18 +128,18 @@ impl Picture {
         picture
     }
 
-    /// Draws a robot's true trajectory, green.
+    /// Draws a robot's true trajectory in green.
     pub fn draw_true_path(&mut self, poses: &[Pose]) {
         self.draw_path(poses, PixelClass::TruePath);
     }
 
-    /// Draws a robot's estimated trajectory, pink.
+    /// Draws a robot's estimated trajectory in pink.
     pub fn draw_estimated_path(&mut self, poses: &[Pose]) {
         self.draw_path(poses, PixelClass::EstimatedPath);
     }
 
-    /// The picture with its scale, a legend of its colours, and notes below: to be written as SVG or
-    /// PNG.
+    /// Returns the picture with its scale, a legend of its colours, and notes below, to be written as
+    /// SVG or PNG.
     pub fn figure(&self, title: &str, notes: Vec<String>) -> Figure {
         // The top row comes first.
         let rows = self.classes.chunks_exact(self.width).rev();
@@ -175,7 +175,7 @@ impl Picture {
         (range(low.x, high.x, self.width), range(low.y, high.y, self.height))
     }
 
-    /// What the cells under a pixel are: a wall if one is occupied, else free if one is.
+    /// What the cells under a pixel are: a wall if one is occupied, otherwise free if one is free.
     fn look(&self, map: &OccupancyMap, col: usize, row: usize) -> PixelClass {
         let corner = self.area.min + DVec2::new(col as f64, row as f64) * self.pixel;
         let first = CellIndex::of(corner + 0.5 * RESOLUTION);

@@ -1,4 +1,4 @@
-//! The robot that trials use: its size, weight and limits.
+//! The robots of trials: their size, mass, limits and sensor mounts.
 
 use envgen::difficulty::Platform;
 use envgen::geometry::Pose;
@@ -16,13 +16,15 @@ use crate::setting_limits::{MAX_TIME_LIMIT, number};
 /// The greatest circumscribed radius in metres that robots may have.
 pub const MAX_RADIUS: f64 = 2.0;
 
-/// How much smaller a circumscribed radius may be than the body's half diagonal, in metres: data
-/// sheets round.
+/// Tolerance in metres by which a circumscribed radius may be less than the body's half diagonal, since
+/// data sheets round.
 const ROUNDING: f64 = 1e-3;
 
 settings! {
-    /// Size, weight and limits of a robot. The default is the Pioneer 3-AT, which the operators of
-    /// Zwennes (2011) drove; `assets/robots` holds others.
+    /// The size, mass and limits of a robot.
+    ///
+    /// The default is the Pioneer 3-AT, which the operators of Zwennes (2011) drove. `assets/robots`
+    /// has other robots.
     ///
     /// ```
     /// use mapping_trial::robot::Robot;
@@ -38,11 +40,11 @@ settings! {
         length: f64 = PIONEER_3AT.length => number("m", 0.01..=2.0 * MAX_RADIUS);
         /// Width of the body.
         width: f64 = PIONEER_3AT.width => number("m", 0.01..=2.0 * MAX_RADIUS);
-        /// Height of the robot with all that is on it: what is higher does not stop it.
+        /// Height of the robot with everything on it. Solids above this height do not stop it.
         #[serde(skip_serializing_if = "is_usual_height")]
         height: f64 = PIONEER_3AT.height => number("m", 0.01..=10.0);
         /// Radius of the circle that the body sweeps when it turns on the spot: the robot's size for
-        /// planning, the flat simulator and the scores. Its name in files is `swing_radius`.
+        /// planning, the flat simulator and the scores. Files call it `swing_radius`.
         #[serde(rename = "swing_radius", alias = "circumscribed_radius")]
         circumscribed_radius: f64 = PIONEER_3AT.circumscribed_radius => number("m", 0.05..=MAX_RADIUS);
         /// Outline seen from above, for physics.
@@ -51,8 +53,8 @@ settings! {
         /// Weight and wheels, for physics.
         #[serde(skip_serializing_if = "is_default")]
         chassis: Chassis = PIONEER_3AT.chassis => nested;
-        /// Greatest speed, forwards and backwards; in a tick a disc must not jump over a wall, so at
-        /// most ten times the radius per second.
+        /// Greatest speed, forwards and backwards. It is at most ten circumscribed radii per second, so
+        /// that a disc cannot jump over a wall within a tick.
         max_speed: f64 = PIONEER_3AT.max_speed => number("m/s", 0.01..=20.0);
         /// Greatest rate of turning.
         max_turn_rate: f64 = PIONEER_3AT.max_turn_rate => number("rad/s", 0.01..=20.0);
@@ -60,20 +62,20 @@ settings! {
         acceleration: f64 = PIONEER_3AT.acceleration => number("m/s^2", 0.01..=100.0);
         /// Greatest change of the rate of turning.
         turn_acceleration: f64 = PIONEER_3AT.turn_acceleration => number("rad/s^2", 0.01..=100.0);
-        /// Position of the laser ahead of the robot's centre, on the body.
+        /// Position of the laser ahead of the robot's centre. The laser is on the body.
         laser_offset: f64 = PIONEER_3AT.laser_offset => number("m", -2.0..=MAX_RADIUS);
         /// The rest of the laser's pose.
         #[serde(skip_serializing_if = "is_default")]
         laser_mount: LaserMount = PIONEER_3AT.laser_mount => nested;
         /// Time that the battery lasts.
         battery: f64 = PIONEER_3AT.battery => number("s", 0.05..=MAX_TIME_LIMIT);
-        /// How far its camera distinguishes water from floor. A robot of 0 does not see water and
-        /// drives into it.
+        /// Distance to which its camera distinguishes water from floor. With 0, the robot does not see
+        /// water and drives into it.
         water_sight: f64 = PIONEER_3AT.water_sight => number("m", 0.0..=5.0);
     }
 }
 
-/// The outline of a body from above.
+/// The outline of a robot's body, seen from above.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
@@ -86,34 +88,35 @@ pub enum Footprint {
 }
 
 settings! {
-    /// Weight and wheels of a robot. The default is the Pioneer 3-AT's.
+    /// The mass and the wheels of a robot. The default is the Pioneer 3-AT's.
     #[derive(Copy)]
     pub struct Chassis {
-        /// Mass.
+        /// Mass of the robot.
         mass: f64 = PIONEER_3AT.chassis.mass => number("kg", 0.01..=1e5);
-        /// Effective track of the wheels. A skid-steered robot's is wider than the distance of its
-        /// wheels, since its wheels slip sideways when it turns.
+        /// Effective track width. That of a skid-steered robot is larger than the distance between its
+        /// wheels, which slip sideways when it turns.
         track: f64 = PIONEER_3AT.chassis.track => number("m", 0.01..=4.0 * MAX_RADIUS);
-        /// Coefficient of friction of the wheels on the ground, which bounds the force that they push
-        /// with: the larger it is, the less they slip.
+        /// Coefficient of friction between wheels and ground. It limits the force of the wheels: the
+        /// larger it is, the less they slip.
         grip: f64 = PIONEER_3AT.chassis.grip => number("", 0.01..=100.0);
     }
 }
 
 settings! {
-    /// The pose of a laser, besides its position ahead of the centre.
+    /// The pose of a laser on a robot, except for its position ahead of the centre.
     #[derive(Copy)]
     pub struct LaserMount {
-        /// Position to the left of the centre, on the body.
+        /// Position to the left of the robot's centre. The laser is on the body.
         left: f64 = PIONEER_3AT.laser_mount.left => number("m", -2.0..=MAX_RADIUS);
-        /// Its heading, counter-clockwise from straight ahead.
+        /// Heading of the laser, counter-clockwise from straight ahead.
         heading: f64 = PIONEER_3AT.laser_mount.heading => number("rad", -6.3..=6.3);
-        /// Height of its plane above the ground: what ends below it or begins above it is not seen.
+        /// Height of the scan plane above the ground. What ends below it or begins above it is not
+        /// seen.
         height: f64 = PIONEER_3AT.laser_mount.height => number("m", 0.0..=10.0);
     }
 }
 
-/// The Pioneer 3-AT, from its data sheet: the default.
+/// The Pioneer 3-AT from its data sheet, which is the default robot.
 pub const PIONEER_3AT: Robot = Robot {
     length: 0.508,
     width: 0.497,
@@ -132,7 +135,7 @@ pub const PIONEER_3AT: Robot = Robot {
     water_sight: 1.5,
 };
 
-/// Whether a value is the Pioneer's, which files may omit.
+/// Whether a value is that of the Pioneer, which files may omit.
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -141,14 +144,14 @@ fn is_usual_height(value: &f64) -> bool {
     *value == PIONEER_3AT.height
 }
 
-/// Why a text does not describe a robot.
+/// An error in a text that should describe a robot.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RobotError {
-    /// A syntax error or an unknown field, with line and column.
+    /// A syntax error or an unknown field, with its line and column.
     #[error(transparent)]
     Ron(#[from] Box<ron::error::SpannedError>),
-    /// A number that is not allowed.
+    /// A number outside of its limits.
     #[error(transparent)]
     Number(#[from] SpecError),
 }
@@ -158,7 +161,7 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// The first field whose value is not allowed, as `body.length`.
+    /// Names the first field whose value is not allowed, such as `body.length`.
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check().map_err(|error| error.within("body"))
     }
@@ -182,8 +185,8 @@ impl Robot {
         number("laser_mount.left", self.laser_mount.left, -left, left)
     }
 
-    /// Reads a robot from RON, such as `(length: 0.4, width: 0.4, max_speed: 1.2)`; omitted fields
-    /// are the Pioneer's.
+    /// Reads a robot from RON, such as `(length: 0.4, width: 0.4, max_speed: 1.2)`. Omitted fields have
+    /// the values of the Pioneer.
     ///
     /// ```
     /// use mapping_trial::robot::{PIONEER_3AT, Robot};
@@ -197,15 +200,15 @@ impl Robot {
     ///
     /// # Errors
     ///
-    /// A syntax error, or the first field whose value is not allowed.
+    /// Returns a syntax error, or names the first field whose value is not allowed.
     pub fn from_ron(text: &str) -> Result<Self, RobotError> {
         let robot: Robot = ron::from_str(text).map_err(Box::new)?;
         robot.validate()?;
         Ok(robot)
     }
 
-    /// From the ground to the top of the robot or its laser's plane, whichever is higher: what else is within
-    /// it stops the robot.
+    /// Returns the extent from the ground to the top of the robot or to the plane of its laser,
+    /// whichever is higher. Solids within this extent stop the robot.
     ///
     /// ```
     /// use mapping_trial::robot::{LaserMount, Robot};
@@ -219,7 +222,8 @@ impl Robot {
     /// ```
     ///
     /// # Errors
-    /// If a height is not valid, as [`Robot::validate`].
+    ///
+    /// If a height is not valid, as in [`Robot::validate`].
     pub fn extent(&self) -> Result<Extent, SpecError> {
         let of_body = |error: SpecError| error.within("body");
         let top = number("height", self.height, 0.01, 10.0).map(|()| self.height);
@@ -228,7 +232,7 @@ impl Robot {
         Extent::new(0.0, top.map_err(of_body)?.max(laser)).map_err(of_body)
     }
 
-    /// Pose of the laser of a robot at `pose`, in the same frame.
+    /// Returns the pose of the laser of a robot at `pose`, in the same frame.
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
@@ -248,9 +252,11 @@ impl Robot {
         Pose { position: pose.to_world(at), heading: pose.heading + heading }
     }
 
-    /// What difficulty vectors depend on of this robot, its laser and its wheels. Ranges that are rounded
-    /// have at least the standard deviation of the rounding, a step by the root of 12. Missing are a laser's
-    /// place to the side and its heading, what it loses and mixes, and errors that are drawn once per run.
+    /// Returns the platform for difficulty vectors: this robot with its laser and its wheels.
+    ///
+    /// The standard deviation of a range is at least that of rounding to its steps, which is the step
+    /// divided by the root of 12. A platform does not include the laser's position to the side and its
+    /// heading, lost, early and mixed echoes, and the errors that are drawn once per run.
     ///
     /// ```
     /// use envgen::difficulty::DifficultyVector;

@@ -1,4 +1,4 @@
-//! A robot's map in the form that ROS and Nav2 know, and maps of others in the form that is scored.
+//! Conversion between occupancy maps and the map files of ROS and Nav2.
 
 use envgen::export::ros_map::{MAX_CELLS, RosCell, RosMap};
 use envgen::geometry::{Pose, Rect};
@@ -7,13 +7,13 @@ use glam::DVec2;
 
 use crate::map::{CLAMP, CellIndex, DECIDED, OccupancyMap, RESOLUTION, TILE};
 
-/// How much finer than [`RESOLUTION`] a map counts as equal: files round.
+/// How much finer than [`RESOLUTION`] a map may be and still count as equal, since files round.
 const AS_FINE: f64 = 1.0 - 1e-6;
 
 impl OccupancyMap {
-    /// The map as a file for ROS: the smallest one around all tiles that were ever
-    /// written; one unknown cell if there are no tiles. Its cells are those of the map, or 2, 4, ... times as
-    /// wide where they would be more than [`MAX_CELLS`], as of maps of more than 400 x 400 m.
+    /// Returns the smallest ROS map around all tiles that were ever written, or one unknown cell if
+    /// there are no tiles. Its cells are those of the map; if there would be more than [`MAX_CELLS`],
+    /// as for maps of more than 400 x 400 m, they are 2, 4, ... times as wide.
     ///
     /// ```
     /// use envgen::geometry::Pose;
@@ -28,9 +28,9 @@ impl OccupancyMap {
     /// assert_eq!(read.cell(wall), Cell::Occupied);
     /// # Ok::<(), envgen::occupancy::OccupancyError>(())
     /// ```
-    ///
     /// # Errors
-    /// If that is more than [`MAX_CELLS`] cells.
+    ///
+    /// If the map has more than [`MAX_CELLS`] cells.
     pub fn to_ros_map(&self) -> Result<RosMap, OccupancyError> {
         let around = self.tiles().map(|(at, _)| at).fold(None, |around, (col, row)| {
             let [left, low, right, high] = around.unwrap_or([col, row, col, row]);
@@ -81,14 +81,17 @@ impl OccupancyMap {
         Ok(RosMap { cols, resolution, origin, cells })
     }
 
-    /// A map of ROS in the world's frame, where `frame` is the pose of its own frame in the world's.
+    /// Converts a ROS map into the world's frame, where `frame` is the pose of the map's own frame in
+    /// the world's.
     ///
-    /// A cell takes what the map has at its middle; where the map's cells are finer, it is occupied if the middle
-    /// of an occupied one is in it, else free if that of a free one is. Maps that
-    /// [`OccupancyMap::to_ros_map`] gives come back as they were, in the frame [`Pose::default`].
+    /// A cell takes the value that the ROS map has at the cell's middle. If the cells of the ROS map
+    /// are finer, a cell is occupied if it contains the middle of an occupied one, otherwise free if it
+    /// contains that of a free one. Maps that [`OccupancyMap::to_ros_map`] returns come back as they
+    /// were, in the frame [`Pose::default`].
     ///
     /// # Errors
-    /// If that is more than [`MAX_CELLS`] cells.
+    ///
+    /// If the map would have more than [`MAX_CELLS`] cells.
     pub fn from_ros_map(map: &RosMap, frame: Pose) -> Result<Self, OccupancyError> {
         let place = frame.compose(map.origin);
         let size = DVec2::new(map.cols as f64, map.rows() as f64) * map.resolution;
@@ -115,7 +118,7 @@ impl OccupancyMap {
         Ok(found)
     }
 
-    /// Draws a map whose cells are smaller: each of them into the cell that contains its middle.
+    /// Draws a map whose cells are smaller: each of them sets the cell that contains its middle.
     fn draw_fine(&mut self, map: &RosMap, place: Pose) {
         let to_world = place.local_to_world();
         // Twice the greatest change makes occupied what was drawn as free.
@@ -127,7 +130,7 @@ impl OccupancyMap {
         }
     }
 
-    /// Draws a map whose cells are as large or larger: into each cell what the map has at its middle.
+    /// Draws a map whose cells are as large or larger: each cell takes the value at its middle.
     fn draw_coarse(&mut self, map: &RosMap, place: Pose, area: Rect) {
         let to_map = place.world_to_local();
         let step = (to_map(DVec2::X) - to_map(DVec2::ZERO)) * (RESOLUTION / map.resolution);
@@ -156,8 +159,8 @@ impl OccupancyMap {
     }
 }
 
-/// The number of steps that certainly stay inside the unit square, from a point in it: one less than exact numbers
-/// would allow, for what is rounded.
+/// The number of steps from a point that certainly stay inside the unit square. It is one less than
+/// exact arithmetic would allow, because of rounding.
 fn steps_inside(at: DVec2, step: DVec2) -> i32 {
     let along = |at: f64, step: f64| if step < 0.0 { at / -step } else { (1.0 - at) / step };
     let most = along(at.x, step.x).min(along(at.y, step.y));

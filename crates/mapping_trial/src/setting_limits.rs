@@ -6,9 +6,10 @@ use envgen::settings::Setting;
 /// Greatest time limit of a trial in simulated seconds: one day.
 pub const MAX_TIME_LIMIT: f64 = 86_400.0;
 
-/// Checks a number whose limits depend on other numbers, or that is no field of its own.
+/// Checks a number that is no field of its own, or whose limits depend on other numbers.
 ///
 /// # Errors
+///
 /// Names the field, the value and the limits.
 pub(crate) fn number(
     field: &'static str,

@@ -1,8 +1,9 @@
-//! Trajectories as text: the format of the RGB-D benchmark of TU Munich (Sturm et al., A benchmark for the evaluation
-//! of RGB-D SLAM systems, IROS 2012, <https://doi.org/10.1109/IROS.2012.6385773>), which SLAM programs write and
-//! `evo` reads.
+//! Trajectories as text, in the format of the RGB-D benchmark of TU Munich (Sturm et al., A benchmark
+//! for the evaluation of RGB-D SLAM systems, IROS 2012, <https://doi.org/10.1109/IROS.2012.6385773>).
+//! SLAM programs write this format, and `evo` reads it.
 //!
-//! A line is `t x y z qx qy qz qw`: seconds, metres and a unit quaternion; lines that begin with `#` are comments.
+//! A line is `t x y z qx qy qz qw`: seconds, metres and a unit quaternion. Lines that begin with `#`
+//! are comments.
 
 use std::io::{self, Write};
 
@@ -10,22 +11,23 @@ use envgen::geometry::{Pose, wrap_angle};
 use glam::DVec2;
 use thiserror::Error;
 
-/// The greatest coordinate that is read, in metres, and the greatest time, in seconds: dates of this era fit.
+/// The greatest coordinate that is read, in metres, and the greatest time, in seconds. Unix times of
+/// this era fit.
 const MOST: f64 = 1e11;
 
-/// The most poses that are read: a day at 100 per second.
+/// The greatest number of poses that are read: a day at 100 per second.
 pub const MAX_POSES: usize = 1 << 23;
 
-/// Why a text is not a trajectory.
+/// An error in a text that should be a trajectory.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TumError {
     /// A line does not have eight numbers.
     #[error("line {line} must be `t x y z qx qy qz qw`, eight numbers, got `{text}`")]
     Line {
-        /// Its number, from 1.
+        /// The line's number, from 1.
         line: usize,
-        /// Its beginning.
+        /// The beginning of the line.
         text: String,
     },
     /// A number is not finite or too large.
@@ -42,14 +44,14 @@ pub enum TumError {
         /// The line's number, from 1.
         line: usize,
     },
-    /// Times do not rise.
+    /// The times are not ascending.
     #[error("line {line}: time {time} s is not after that of the pose before, {before} s")]
     Order {
         /// The line's number, from 1.
         line: usize,
         /// The time in seconds.
         time: f64,
-        /// The time of the pose before, in seconds.
+        /// The time of the previous pose, in seconds.
         before: f64,
     },
     /// There are no poses.
@@ -69,7 +71,8 @@ pub struct TimedPose {
     pub pose: Pose,
 }
 
-/// Reads a trajectory in the plane: heights are ignored, and of rotations the turn about z counts.
+/// Reads a trajectory in the plane. Heights are ignored, and of each rotation only the turn about z
+/// counts.
 ///
 /// ```
 /// use mapping_trial::tum;
@@ -82,7 +85,8 @@ pub struct TimedPose {
 ///
 /// # Errors
 ///
-/// The first line that is not a pose, or whose time is not after the one before; no poses, or too many.
+/// Names the first line that is not a pose, or whose time is not after the previous one. It is also an
+/// error if there are no poses, or too many.
 pub fn read(text: &str) -> Result<Vec<TimedPose>, TumError> {
     let mut poses: Vec<TimedPose> = Vec::new();
     for (line, text) in text.lines().enumerate() {
@@ -117,12 +121,12 @@ fn timed_pose(line: usize, text: &str) -> Result<TimedPose, TumError> {
     if [qx, qy, qz, qw] == [0.0; 4] {
         return Err(TumError::Quaternion { line });
     }
-    // The turn about z of any rotation, also where the quaternion is not quite of length 1.
+    // The turn about z of any rotation, also if the length of the quaternion is not exactly 1.
     let heading = libm::atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz);
     Ok(TimedPose { time, pose: Pose { position: DVec2::new(x, y), heading } })
 }
 
-/// Writes a trajectory; numbers are as exact as the poses.
+/// Writes a trajectory. The numbers are as exact as the poses.
 ///
 /// ```
 /// use envgen::geometry::Pose;
@@ -140,7 +144,7 @@ fn timed_pose(line: usize, text: &str) -> Result<TimedPose, TumError> {
 ///
 /// # Errors
 ///
-/// Any error of the writer.
+/// Returns any error of the writer.
 pub fn write(poses: impl IntoIterator<Item = TimedPose>, out: &mut dyn Write) -> io::Result<()> {
     for TimedPose { time, pose: Pose { position, heading } } in poses {
         let (sin, cos) = libm::sincos(0.5 * heading);
@@ -149,8 +153,8 @@ pub fn write(poses: impl IntoIterator<Item = TimedPose>, out: &mut dyn Write) ->
     Ok(())
 }
 
-/// The poses of a trajectory at given times, interpolated between its own; `None` before its first and after its
-/// last.
+/// Returns the poses of a trajectory at given times, interpolated between its own poses; `None` before
+/// the first and after the last.
 ///
 /// ```
 /// use envgen::geometry::Pose;

@@ -1,5 +1,5 @@
-//! The water that a robot's camera sees: the operators of Zwennes (2011) saw its picture and named
-//! water as a hazard, while a laser does not see it.
+//! The water that a robot's camera sees. Lasers do not see water, but the operators of Zwennes (2011)
+//! saw the camera's picture and named water as a hazard.
 
 use envgen::geometry::{Pose, unit_vector};
 use envgen::raycast::Raycaster;
@@ -15,9 +15,10 @@ const DIRECTIONS: u32 = 31;
 const NEAREST: f64 = 0.3;
 const STEP: f64 = 0.1;
 
-/// The points where a robot sees water, in its own frame in metres (x ahead, y to the left):
-/// in front of it, at most [`Robot::water_sight`] away and not behind anything solid. For any robot
-/// backend that knows the robot's true pose; the same pose gives the same points.
+/// Returns the points where a robot sees water, in metres in its own frame (x ahead, y to the left):
+/// those in front of it, at most [`Robot::water_sight`] away and not behind anything solid.
+///
+/// Any robot backend that knows the robot's true pose can use it. The same pose gives the same points.
 ///
 /// ```
 /// use envgen::geometry::{Pose, Rect, Shape};

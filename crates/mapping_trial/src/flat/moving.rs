@@ -35,7 +35,8 @@ impl Moving {
         }
     }
 
-    /// What leaves, people and smoke make of the ranges of a robot's scan. Returns the beams that read 0.
+    /// Applies door leaves, people and smoke to the ranges of a robot's scan. Returns the beams that
+    /// read 0.
     pub(super) fn see(
         &mut self,
         (robot, tick): (usize, u32),
@@ -47,8 +48,8 @@ impl Moving {
         self.sight.look_through_smoke(&self.state, scan, rays, ranges)
     }
 
-    /// Calls `press` for every leaf and person: a point, its distance from a robot's centre less the size of
-    /// what is there, and whether it is a person.
+    /// Calls `press` for every door leaf and person, with a point, its distance from a robot's centre
+    /// less the size of what is there, and whether it is a person.
     pub(super) fn press(&self, at: DVec2, mut press: impl FnMut(DVec2, f64, bool)) {
         for leaf in self.state.all_leaves() {
             let point = leaf.nearest_point(at);

@@ -1,4 +1,4 @@
-//! What lasers see of a scenario: leaves, people and smoke.
+//! What lasers see of a scenario: door leaves, people and smoke.
 
 use envgen::Seed;
 use envgen::scenario::ScenarioState;
@@ -8,18 +8,19 @@ use glam::DVec2;
 use super::profile::LaserProfile;
 use super::scan::UNSEEN;
 
-/// The rays of a scan in the frame of the world.
+/// The rays of a scan in the world's frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Rays<'a> {
-    /// Where they start, in metres.
+    /// Origin of all rays, in metres.
     pub from: DVec2,
-    /// Unit vectors, one per beam.
+    /// Directions of the rays as unit vectors, one per beam.
     pub directions: &'a [DVec2],
-    /// The greatest range in metres.
+    /// Greatest range in metres.
     pub max_range: f64,
 }
 
-/// How lasers of one profile see scenarios, for robot backends: the same in all of them.
+/// Applies door leaves, people and smoke to the scans of one laser profile. All robot backends use it,
+/// so that lasers see the same in each of them.
 #[derive(Clone, Debug)]
 pub struct ScenarioSight {
     profile: LaserProfile,
@@ -28,13 +29,13 @@ pub struct ScenarioSight {
 }
 
 impl ScenarioSight {
-    /// For lasers of a profile; draws of smoke follow from the seed.
+    /// Creates it for lasers of a profile. Random draws of smoke follow from the seed.
     pub fn new(profile: &LaserProfile, seed: Seed) -> Self {
         ScenarioSight { profile: profile.clone(), seed, stretches: Vec::new() }
     }
 
-    /// Ends rays at the leaves and people that they meet, before [`ScenarioSight::look_through_smoke`]: changes the
-    /// exact ranges, one per ray, which are those of everything else.
+    /// Ends rays at the door leaves and people that they meet. The exact ranges to everything else, one
+    /// per ray, are changed in place. This comes before [`ScenarioSight::look_through_smoke`].
     pub fn meet(state: &ScenarioState, rays: &Rays<'_>, ranges: &mut [f64]) {
         let Rays { from, directions, max_range } = *rays;
         for (_, shape) in state.visible(from, max_range) {
@@ -45,9 +46,12 @@ impl ScenarioSight {
         }
     }
 
-    /// Changes the ranges of a robot's scan in a tick, one per ray: those that smoke stops are [`UNSEEN`] or end at a
-    /// phantom. Returns the beams that read 0 instead, in ascending order. With several scenarios all leaves and people
-    /// come first: see [`ScenarioSight::meet`].
+    /// Applies smoke to the ranges of a robot's scan in a tick, one per ray. A range that smoke stops
+    /// becomes [`UNSEEN`] or ends at a phantom. Returns the beams that read 0 instead, in ascending
+    /// order.
+    ///
+    /// With several scenarios, the leaves and people of all of them come first: see
+    /// [`ScenarioSight::meet`].
     pub fn look_through_smoke(
         &mut self,
         state: &ScenarioState,
@@ -64,7 +68,7 @@ impl ScenarioSight {
         let failed = state.settings().failed_beams;
         let scan = self.seed.attempt("trial/smoke", robot, tick).bits();
         for (beam, (range, &direction)) in ranges.iter_mut().zip(directions).enumerate() {
-            // In the smoke of another scenario.
+            // This beam ended in the smoke of another scenario.
             if range.is_nan() {
                 continue;
             }
@@ -73,7 +77,7 @@ impl ScenarioSight {
                 continue;
             }
             let mut stream = Seed(scan).stream("trial/smoke/beam", beam as u64);
-            // The end of the ray is as a surface: what is left of the beam there decides.
+            // The end of the ray counts as a surface: the power that is left of the beam there decides.
             let end = Some(*range);
             match laser.read(end, max_range, &self.stretches, failed, &mut stream) {
                 Reading::Echo(_) => {}

@@ -1,4 +1,4 @@
-//! What lasers measure and how well.
+//! Laser profiles: what lasers measure and how accurate they are.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,11 +6,12 @@ use envgen::raycast::ScanPattern;
 use envgen::scenario::{SmokeProfile, smoke};
 use envgen::{SpecError, settings};
 
-/// Range in metres that SICK's LMS 200 has without smoke, to bright walls: more than it reports.
+/// Range in metres to bright walls that SICK's LMS 200 has without smoke. It is more than the laser
+/// reports.
 const SICK_RANGE: f64 = 30.0;
 
 settings! {
-    /// What a laser measures and how well.
+    /// The beams, the range and the errors of a laser.
     ///
     /// ```
     /// use mapping_trial::lidar::LaserProfile;
@@ -30,7 +31,7 @@ settings! {
         field_of_view: f64 = LaserProfile::LMS200_MM.field_of_view => number("rad", 0.0..=TAU);
         /// Greatest range.
         max_range: f64 = LaserProfile::LMS200_MM.max_range => number("m", 0.1..=200.0);
-        /// Ranges are multiples of this length; 0 for no rounding.
+        /// Step of the ranges, which are rounded to its multiples; 0 for no rounding.
         range_step: f64 = LaserProfile::LMS200_MM.range_step => number("m", 0.0..=1.0);
         /// Standard deviation of a range.
         sigma: f64 = LaserProfile::LMS200_MM.sigma => number("m", 0.0..=1.0);
@@ -38,15 +39,15 @@ settings! {
         ticks_a_scan: u32 = LaserProfile::LMS200_MM.ticks_a_scan => integer("", 1..=200);
         /// Probability that a beam is lost.
         dropout: f64 = LaserProfile::LMS200_MM.dropout => number("", 0.0..=1.0);
-        /// Probability that a beam returns too early, at any range.
+        /// Probability that a beam returns too short a range.
         short: f64 = LaserProfile::LMS200_MM.short => number("", 0.0..=1.0);
-        /// Probability that a beam at a jump of ranges gives a range between the two.
+        /// Probability that a beam at an edge, where ranges jump, returns a range between the two.
         mixed_pixel: f64 = LaserProfile::LMS200_MM.mixed_pixel => number("", 0.0..=1.0);
     }
 }
 
 impl LaserProfile {
-    /// USARSim's laser: exact but for its steps of 1 cm.
+    /// USARSim's laser, which is exact except for its steps of 1 cm.
     pub const USARSIM: LaserProfile = LaserProfile {
         beams: 181,
         field_of_view: PI,
@@ -58,10 +59,10 @@ impl LaserProfile {
         short: 0.0,
         mixed_pixel: 0.0,
     };
-    /// SICK's LMS 200 in millimetre mode, the default.
+    /// SICK's LMS 200 in millimetre mode, which is the default.
     pub const LMS200_MM: LaserProfile =
         LaserProfile { max_range: 8.19, range_step: 0.001, sigma: 0.01, ..LaserProfile::USARSIM };
-    /// The same with the errors of a real scan: lost, early and mixed echoes.
+    /// SICK's LMS 200 with the errors of real scans: lost, early and mixed echoes.
     pub const LMS200_MM_ROUGH: LaserProfile =
         LaserProfile { dropout: 0.005, short: 0.001, mixed_pixel: 0.3, ..LaserProfile::LMS200_MM };
     /// Hokuyo's URG-04LX, of which every third beam and every second scan is used.
@@ -71,7 +72,8 @@ impl LaserProfile {
         max_range: 5.6,
         ..LaserProfile::LMS200_MM
     };
-    /// A laser of 270 degrees and 12 m with a beam per degree, otherwise as SICK's LMS 200.
+    /// A laser with a field of view of 270 degrees, a range of 12 m and one beam per degree, otherwise
+    /// as SICK's LMS 200.
     pub const WIDE_12M: LaserProfile = LaserProfile {
         beams: 271,
         field_of_view: 1.5 * PI,
@@ -79,8 +81,11 @@ impl LaserProfile {
         ..LaserProfile::LMS200_MM
     };
 
-    /// How it measures in smoke. Lasers of at most 180 degrees are taken for a SICK, which would see 30 m or its
-    /// `max_range` without smoke, others for a Hokuyo, which would see its `max_range`.
+    /// Returns the model of this laser in smoke.
+    ///
+    /// A laser with a field of view of at most 180 degrees counts as a SICK, which would see 30 m
+    /// without smoke, or its `max_range` if that is more. Any other laser counts as a Hokuyo, which
+    /// would see its `max_range`.
     ///
     /// ```
     /// use envgen::scenario::{SmokeProfile, smoke};
@@ -108,12 +113,14 @@ impl LaserProfile {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first field that is not allowed, as `laser.beams`.
+    ///
+    /// Names the first field whose value is not allowed, such as `laser.beams`.
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check_fields().map_err(|error| error.within("laser"))
     }
 
-    /// Angle of a beam relative to the laser's heading, in radians, from right to left.
+    /// Returns the angle of a beam relative to the laser's heading, in radians. Beams are counted from
+    /// right to left.
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
@@ -132,11 +139,12 @@ impl LaserProfile {
         first + step * beam as f64
     }
 
-    /// The beams' directions, to cast them with
+    /// Returns the directions of the beams, to cast them with
     /// [`Raycaster::scan`](envgen::raycast::Raycaster::scan).
     ///
     /// # Errors
-    /// The first number that is not allowed.
+    ///
+    /// Names the first field whose value is not allowed.
     pub fn fan(&self) -> Result<ScanPattern, SpecError> {
         self.validate()?;
         ScanPattern::new(self.field_of_view, self.beams as usize)
