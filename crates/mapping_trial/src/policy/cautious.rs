@@ -1,26 +1,26 @@
-//! Goes to the nearest frontier, but back to an old position if the pose is uncertain.
+//! Goes to the nearest frontier, but returns to an earlier position if the pose is uncertain.
 
 use glam::DVec2;
 
 use super::navigator::{Aim, Navigator, pose_of};
 use super::{Decision, ExplorationPolicy, PolicyInput};
 
-/// Standard deviation of the position in metres from which the robot goes back.
+/// Standard deviation of the position in metres from which the robot returns.
 const UNSURE: f64 = 0.30;
 
-/// The share of it below which the pose is certain again.
+/// Fraction of it below which the pose is certain again.
 const SURE: f64 = 0.5;
 
-/// Factor by which the tolerated deviation rises after going back did not help.
+/// Factor by which the tolerated deviation rises if the return did not help.
 const PATIENCE: f64 = 1.5;
 
-/// Metres between the positions that are remembered.
+/// Distance in metres between the positions that are remembered.
 const APART: f64 = 1.0;
 
-/// Greatest number of remembered positions; then every second one is forgotten.
+/// Greatest number of remembered positions. At this number, every second one is forgotten.
 const PLACES: usize = 4096;
 
-/// Goes to the nearest frontier, and back to an old position if the pose is uncertain.
+/// Goes to the nearest frontier, and returns to an earlier position if the pose is uncertain.
 #[derive(Debug)]
 pub(super) struct Cautious {
     navigator: Navigator,
@@ -31,7 +31,7 @@ pub(super) struct Cautious {
 struct Memory {
     /// Where the robot was, and the standard deviation of its position there.
     places: Vec<(DVec2, f64)>,
-    /// The position that it is going back to.
+    /// The position to which the robot returns.
     back_to: Option<DVec2>,
     bears: f64,
 }
@@ -62,7 +62,8 @@ impl ExplorationPolicy for Cautious {
                 if let Some(decision) = navigator.pursue(view, &mut Aim::Visit(place)) {
                     return decision;
                 }
-                // It has arrived or found no path: it has to tolerate what it could not improve.
+                // The robot has arrived or found no path: it has to tolerate the deviation that it
+                // could not reduce.
                 if deviation >= SURE * memory.bears {
                     memory.bears = PATIENCE * memory.bears.max(deviation);
                 }
@@ -97,7 +98,7 @@ impl Memory {
         }
     }
 
-    /// The last position at which the deviation was at most half of this, or else the first one.
+    /// The latest position at which the deviation was at most half of this, or else the first one.
     fn surest(&self, deviation: f64) -> Option<DVec2> {
         let sure = self.places.iter().rev().find(|(_, then)| *then <= SURE * deviation);
         sure.or(self.places.first()).map(|(place, _)| *place)

@@ -1,4 +1,4 @@
-//! Hallways first, rooms later, with a delay of reaction: what the operators of Zwennes (2011)
+//! Explores hallways first and rooms later, with a reaction time, as the operators of Zwennes (2011)
 //! described.
 
 use std::collections::VecDeque;
@@ -12,28 +12,28 @@ use super::{Decision, ExplorationPolicy, PolicyInput};
 use crate::backend::{Command, TICK};
 use crate::map::Estimate;
 
-/// Seconds from seeing to acting.
+/// Reaction time in seconds, from seeing to acting.
 const DELAY: f64 = 0.25;
 
-/// Cruising speed, as a share of that of a policy without delay: 0.4 m/s for the Pioneer 3-AT.
+/// Cruising speed relative to that of a policy without reaction time: 0.4 m/s for the Pioneer 3-AT.
 const CAUTION: f64 = 0.8;
 
 /// Seconds after which a robot in a room looks for goals in hallways again.
 const LOOK_AGAIN: f64 = 10.0;
 
-/// Metres from a narrow place within which a robot there is in a hallway.
+/// Distance in metres from a narrow place within which a robot there counts as in a hallway.
 const BESIDE: f64 = 0.6;
 
-/// Hallways first, rooms later.
+/// Explores hallways first and rooms later.
 ///
-/// A hallway is where the robot gets from its start without passing a gap narrower than 1.1 m, as
-/// the map shows it; rooms lie behind such gaps.
+/// A hallway is where the robot gets from its start without passing a gap that the map shows as
+/// narrower than 1.1 m. Rooms lie behind such gaps.
 #[derive(Debug)]
 pub(super) struct Corridors {
     navigator: Navigator,
-    /// A position in a hallway, and when to look for frontiers from there again.
+    /// A position in a hallway, and the time of the next search for frontiers from there.
     homes: Vec<Option<(DVec2, f64)>>,
-    /// Commands that are decided and not yet carried out, per robot.
+    /// Commands that are decided but not yet carried out, per robot.
     pending: Vec<VecDeque<(f64, Command)>>,
     carried_out: Vec<Command>,
     estimates: Vec<Estimate>,
@@ -51,8 +51,8 @@ impl Corridors {
         }
     }
 
-    /// Where the robot will be when the pending commands are carried out: operators know what they
-    /// have just asked for.
+    /// Predicts where the robot will be when the pending commands are carried out, since operators know
+    /// what they have just commanded.
     fn foresee(&mut self, view: &PolicyInput<'_>) {
         self.estimates.clear();
         self.estimates.extend_from_slice(view.estimates);
@@ -101,8 +101,8 @@ impl ExplorationPolicy for Corridors {
     }
 }
 
-/// The nearest goal in a hallway, or else the nearest one. `home` is a position in a hallway, and
-/// follows the robot while it is in one; `next_look` is when to look from there again.
+/// Chooses the nearest goal in a hallway, or else the nearest one. `home` is a position in a hallway,
+/// which follows the robot while it is in one; `next_look` is the time of the next search from there.
 fn choose(
     planning: &mut Planning<'_>,
     time: f64,
@@ -113,7 +113,8 @@ fn choose(
     let Planning { costmap, frontiers, search, limit, .. } = planning;
     let (limit, goal) = (*limit, |node, _| frontiers.cluster_at(node).is_some());
     search.set_worst_allowed(CellCost::Near);
-    // From the home, which may leave a place that has turned out to be narrow, and not to it: no path would end there.
+    // The search is from the home, which may leave a place that has turned out to be narrow. A path to
+    // the home would not end there.
     if let Some(here) = search.nearest(costmap, *home, &[], |node, _| around.contains(&node)) {
         *home = costmap.point(here);
         let node = search.nearest(costmap, *home, planning.blocks, goal);
@@ -136,7 +137,7 @@ fn choose(
     planning.nearest()
 }
 
-/// The wide cell of a position; where it is narrow, as beside an object, those around.
+/// The wide cell of a position; if it is narrow, as beside an object, the wide cells around it.
 fn wide_around(costmap: &mut Costmap, p: DVec2) -> Vec<Node> {
     let mut wide =
         |p: DVec2| costmap.node_at(p).filter(|&node| costmap.cell_cost(node) <= CellCost::Near);

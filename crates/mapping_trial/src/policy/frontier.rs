@@ -1,5 +1,5 @@
-//! Frontiers: where the known world ends (Yamauchi, A frontier-based approach for autonomous
-//! exploration, 1997).
+//! Frontiers: the borders between known free space and unknown space (Yamauchi, A frontier-based
+//! approach for autonomous exploration, 1997).
 
 use std::ops::Range;
 
@@ -8,27 +8,27 @@ use glam::{DVec2, IVec2};
 use super::costmap::{Bits, Costmap, NODES, Node, SIDE, STEPS, cell_of, step_index};
 use crate::map::{Cell, CellIndex, RESOLUTION, TILE};
 
-/// Frontier cells that make a cluster worth a visit: 0.5 m.
+/// Least number of frontier cells for which a cluster is worth a visit: 0.5 m.
 pub const LEAST_CELLS: usize = 10;
 
 /// Distance in metres to which the centre of a robot of the Pioneer's size has to approach a frontier
-/// that it cannot drive onto; larger ones have to stay farther away.
+/// that it cannot drive onto. Larger robots stay farther away.
 const VIEWPOINT: f64 = 0.6;
 
-/// Cells of the map along a side of a block. The last rays of a scan lie some cells apart, and so do
-/// the cells where they end: blocks that touch are connected.
+/// Cells of the map along a side of a block. Neighbouring rays of a scan end some cells apart at long
+/// range, so frontier cells in blocks that touch count as connected.
 const BLOCK: i32 = 4;
 
 /// Blocks along a side of a tile.
 const BLOCKS: i32 = TILE / BLOCK;
 
-/// Connected frontier cells, with at most 0.2 m from one to the next in either direction.
+/// A cluster of connected frontier cells, with at most 0.2 m from one to the next along each axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cluster {
     cells: Range<usize>,
 }
 
-/// The clusters of frontier cells, and the planning cells to visit them from.
+/// The clusters of frontier cells, and the planning cells from which to visit them.
 ///
 /// ```
 /// use mapping_trial::map::{CellIndex, MISS, OccupancyMap};
@@ -52,10 +52,10 @@ pub struct Frontiers {
     /// Cells of all clusters, one cluster after the other.
     cells: Vec<CellIndex>,
     clusters: Vec<Cluster>,
-    /// Blocks that are still to be taken into a cluster, tile by tile.
+    /// Blocks that do not belong to a cluster yet, tile by tile.
     pending: Vec<u64>,
     open: Vec<(usize, IVec2)>,
-    /// The number of the cluster whose goal a planning cell is, plus one; 0 for none.
+    /// For each planning cell, the number of the cluster whose goal it is, plus one; 0 for none.
     labels: Vec<u32>,
     labelled: Vec<Node>,
     /// Number of clusters that have a goal.
@@ -63,14 +63,14 @@ pub struct Frontiers {
 }
 
 impl Frontiers {
-    /// No frontiers.
+    /// Creates an empty set of frontiers.
     pub fn new() -> Self {
         Frontiers::default()
     }
 
     /// Gathers the frontier cells of a costmap into clusters, and finds the goals of each cluster:
-    /// its own cells that the robot fits into or, if it fits into none, cells nearby that see one.
-    /// Frontier cells for which `skip` is true are no goals.
+    /// those of its cells into which the robot fits or, if there are none, cells nearby that see one.
+    /// Frontier cells for which `skip` is true are not goals.
     pub fn gather(&mut self, costmap: &mut Costmap, skip: impl Fn(&Costmap, DVec2) -> bool) {
         self.cluster(costmap);
         for node in self.labelled.drain(..) {
@@ -90,7 +90,7 @@ impl Frontiers {
                     && costmap.cell_cost(node).is_passable()
                 {
                     fits = true;
-                    // Several cells of the map are in one planning cell.
+                    // Several cells of the map lie in one planning cell.
                     if self.cluster_at(node).is_none() && !skip(costmap, p) {
                         self.label(node, number);
                     }
@@ -108,17 +108,17 @@ impl Frontiers {
         }
     }
 
-    /// Number of clusters.
+    /// Returns the number of clusters.
     pub fn len(&self) -> usize {
         self.clusters.len()
     }
 
-    /// Whether there are no clusters.
+    /// Returns whether there are no clusters.
     pub fn is_empty(&self) -> bool {
         self.clusters.is_empty()
     }
 
-    /// Number of planning cells that are goals.
+    /// Returns the number of planning cells that are goals.
     pub fn goals(&self) -> usize {
         self.labelled.len()
     }
@@ -128,7 +128,7 @@ impl Frontiers {
         self.with_goal
     }
 
-    /// The cluster that a node is a goal of.
+    /// Returns the cluster that has a node as a goal.
     #[inline]
     pub fn cluster_at(&self, node: Node) -> Option<usize> {
         self.labels
@@ -137,7 +137,7 @@ impl Frontiers {
             .map(|number| number as usize)
     }
 
-    /// The cells of a cluster.
+    /// Returns the cells of a cluster.
     pub fn cells(&self, cluster: usize) -> &[CellIndex] {
         &self.cells[self.clusters[cluster].cells.clone()]
     }
@@ -239,7 +239,7 @@ impl Frontiers {
     }
 }
 
-/// A bit for each block of a tile that holds a frontier cell, row by row from below.
+/// One bit per block of a tile, row by row from below: whether the block has a frontier cell.
 fn blocks(frontier: &Bits) -> u64 {
     let mut blocks = 0;
     for (row, rows) in frontier.chunks_exact(BLOCK as usize).enumerate() {
@@ -251,7 +251,7 @@ fn blocks(frontier: &Bits) -> u64 {
     blocks
 }
 
-/// Whether no occupied cell is known between two points.
+/// Whether there is no known occupied cell between two points.
 pub(super) fn sees(costmap: &Costmap, from: DVec2, to: DVec2) -> bool {
     let offset = to - from;
     let steps = (offset.length() / (0.8 * RESOLUTION)).ceil().clamp(1.0, 1e4);
@@ -276,7 +276,8 @@ pub(super) fn is_left(costmap: &Costmap, p: DVec2, within: f64) -> bool {
     })
 }
 
-/// The vector from a point to the centre of the unknown cells around another; `None` if all are known.
+/// The vector from a point to the centroid of the unknown cells around another point; `None` if all are
+/// known.
 pub(super) fn unknown_from(costmap: &Costmap, p: DVec2, around: DVec2) -> Option<DVec2> {
     const REACH: i32 = 10;
     let middle = CellIndex::of(around);

@@ -1,4 +1,4 @@
-//! Where the robot can go according to the current scan and the camera, without any map.
+//! Collision avoidance: where the robot can go by the current scan and the camera, without a map.
 
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
@@ -6,20 +6,20 @@ use glam::DVec2;
 use crate::lidar::{LaserProfile, Scan};
 use crate::robot::Robot;
 
-/// Echoes farther than this many metres from the laser do not matter in the next seconds to a robot
-/// that is not fast.
+/// Distance in metres from the laser beyond which echoes do not matter to a slow robot in the next
+/// seconds.
 const HORIZON: f64 = 3.0;
 
-/// Share of the body's radius within which the wheels are: a robot on a walkway through water has
-/// them on the walkway.
+/// Fraction of the body's radius within which the wheels are. On a walkway through water, the wheels
+/// have to stay on the walkway.
 const WHEELS: f64 = 0.7;
 
-/// A motion that brings the body no more than this much nearer to an echo, in metres, is not stopped
-/// by it: in a narrow gap noisy echoes beside the body lie within it.
+/// A motion that brings the body at most this much nearer to an echo, in metres, is not stopped by it.
+/// In a narrow gap, noise puts echoes beside the body inside it.
 const GRAZE: f64 = 0.02;
 
-/// Ticks between two scans up to which echoes count as where the robot is now: a Pioneer 3-AT moves 10 cm, or turns
-/// by 16 degrees.
+/// Greatest number of ticks between two scans for which echoes need not be moved with the robot. In
+/// this time a Pioneer 3-AT moves 10 cm or turns by 16 degrees.
 const FRESH: u32 = 4;
 
 /// The echoes around a robot, and the water, in its own frame: x ahead, y to the left.
@@ -27,7 +27,7 @@ const FRESH: u32 = 4;
 pub(super) struct Guard {
     beams: Vec<DVec2>,
     laser: DVec2,
-    /// Whether scans are so far apart that echoes are moved with the robot.
+    /// Whether the time between scans is so long that echoes are moved with the robot.
     is_slow: bool,
     horizon: f64,
     radius: f64,
@@ -52,7 +52,8 @@ impl Guard {
         }
     }
 
-    /// Takes a scan, and the robot's pose now in the frame of its pose then; lost and ignored beams are skipped.
+    /// Processes a scan, given the robot's present pose relative to its pose at the time of the scan.
+    /// Lost and ignored beams are skipped.
     pub(super) fn look(&mut self, scan: &Scan, since: Pose) {
         self.echoes.clear();
         let near = |range: &f64| *range > 0.0 && *range < self.horizon;
@@ -64,15 +65,15 @@ impl Guard {
         }
     }
 
-    /// Takes the water that was seen last, as points in the map's frame, for a robot at a pose.
+    /// Processes the water that was seen last, as points in the map's frame, for a robot at a pose.
     pub(super) fn look_at_water(&mut self, pose: Pose, water: &[DVec2]) {
         let seen = pose.world_to_local();
         self.water.clear();
         self.water.extend(water.iter().copied().map(seen));
     }
 
-    /// What the robot must not touch, each with the radius to keep free: the whole body for an echo,
-    /// the wheels for water.
+    /// What the robot must not touch, each point with the radius to keep free: the whole body for an
+    /// echo, the wheels for water.
     fn obstacles(&self) -> impl Iterator<Item = (DVec2, f64)> + '_ {
         let echoes = self.echoes.iter().map(|&echo| (echo, self.radius));
         echoes.chain(self.water.iter().map(|&water| (water, WHEELS * self.radius)))
@@ -83,8 +84,8 @@ impl Guard {
         &self.echoes
     }
 
-    /// Metres that the body can drive along an arc of a curvature in 1/m (left positive) before it
-    /// touches an echo or gets into water, infinite if it does neither.
+    /// Returns how far in metres the body can drive along an arc of a curvature in 1/m (positive to the
+    /// left) before it touches an echo or gets into water; infinite if it does neither.
     pub(super) fn free_along(&self, curvature: f64) -> f64 {
         if curvature.abs() < 0.05 {
             return self.free_towards(DVec2::X);
@@ -94,7 +95,7 @@ impl Guard {
         let mut free = f64::INFINITY;
         for (echo, body) in self.obstacles() {
             let (near, far) = (radius - body, radius + body);
-            // Around the centre of a left-hand circle, counted from where the robot is.
+            // Relative to the centre of a left-hand circle, counted from where the robot is.
             let from_middle = DVec2::new(echo.x, side * echo.y - radius);
             let distance2 = from_middle.length_squared();
             if distance2 >= far * far || (near > 0.0 && distance2 <= near * near) {
@@ -128,14 +129,15 @@ impl Guard {
         free
     }
 
-    /// Metres between the body and the nearest echo, infinite without one.
+    /// Distance in metres between the body and the nearest echo, infinite without one.
     pub(super) fn clearance(&self) -> f64 {
         let nearest = self.echoes.iter().map(|echo| echo.length_squared());
         (nearest.fold(f64::INFINITY, f64::min).sqrt() - self.radius).max(0.0)
     }
 }
 
-/// How far in metres from the laser echoes matter: the robot must be able to stop within it.
+/// Distance in metres from the laser within which echoes matter: the robot must be able to stop within
+/// it.
 fn horizon(robot: &Robot) -> f64 {
     let stopping = robot.max_speed * robot.max_speed / (2.0 * robot.acceleration);
     HORIZON.max(stopping + 2.0 * robot.circumscribed_radius + 1.0)

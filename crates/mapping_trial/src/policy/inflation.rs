@@ -1,11 +1,12 @@
-//! How far obstacles reach into free space for the centre of a robot, which follows from its size.
+//! Inflation of obstacles: how far they reach into free space for the centre of a robot, which follows
+//! from its size.
 
 use crate::map::RESOLUTION;
 use crate::robot::{MAX_RADIUS, PIONEER_3AT, Robot};
 
-/// Distances in metres up to which an occupied cell counts for the Pioneer 3-AT: where its centre
-/// may not be (its radius less a cell of the map, and its radius), and where it should rather not be.
-/// For other robots the margins around the body are the same.
+/// Distances in metres up to which an occupied cell counts for the Pioneer 3-AT: first where its centre
+/// must not be (its radius less a cell of the map, and its radius), then where it should rather not be.
+/// Other robots have the same margins around their bodies.
 const DISTANCES: [f64; LEVELS] = [0.31, 0.36, 0.45, 0.55, 0.75];
 
 /// Number of distance levels.
@@ -51,7 +52,7 @@ impl Inflation {
         Inflation { margin: squared[LEVELS - 1].isqrt(), half_widths, larger }
     }
 
-    /// A distance in metres that fits the Pioneer 3-AT, enlarged by the robot's excess radius.
+    /// Enlarges a distance in metres that suits the Pioneer 3-AT by the robot's excess radius.
     pub(super) fn grown(&self, pioneer: f64) -> f64 {
         pioneer + self.larger
     }

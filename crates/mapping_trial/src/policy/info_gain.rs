@@ -12,7 +12,7 @@ use super::search::COST_PER_METRE;
 use super::{Decision, ExplorationPolicy, PolicyInput};
 use crate::map::{Cell, CellIndex};
 
-/// Rays that look for unknown space around a goal.
+/// Number of rays that look for unknown space around a goal.
 const RAYS: u32 = 32;
 
 /// Metres of unknown space that a ray is expected to see into.
@@ -21,8 +21,8 @@ const DEPTH: f64 = 3.0;
 /// Metres that are added to every path, so that near goals do not always win.
 const HANDICAP: f64 = 2.0;
 
-/// Number of goals that are compared, and the metres beyond the path length to the nearest one up
-/// to which they are.
+/// Greatest number of goals that are compared, and how much longer in metres their paths may be than
+/// that to the nearest one.
 const CANDIDATES: usize = 16;
 const FARTHER: f64 = 15.0;
 
@@ -53,7 +53,7 @@ impl ExplorationPolicy for InfoGain {
                 gain / (f64::from(cost) / f64::from(COST_PER_METRE) + HANDICAP)
             };
             let worths = candidates.iter().map(|candidate| (candidate.0, worth(candidate)));
-            // Of equals the nearest: the first.
+            // Of equally good goals the nearest, which comes first.
             let best = worths.reduce(|a, b| if b.1 > a.1 { b } else { a })?;
             Some(best.0)
         })

@@ -1,4 +1,4 @@
-//! Distances, speeds and times of driving that follow from a robot's size and limits.
+//! Distances, speeds and times for driving, which follow from a robot's size and limits.
 
 use std::f64::consts::PI;
 
@@ -6,14 +6,15 @@ use crate::backend::TICK;
 use crate::lidar::LaserProfile;
 use crate::robot::{PIONEER_3AT, Robot};
 
-/// Speed in m/s at which a Pioneer 3-AT cruises on open ground; other robots cruise at the same share
-/// of their greatest speed.
+/// Speed in m/s at which a Pioneer 3-AT cruises on open ground. Other robots cruise at the same
+/// fraction of their greatest speed.
 const CRUISE: f64 = 0.5;
 
 /// The limits of driving, computed once per robot. All are in metres, m/s, radians and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Margins {
-    /// How many times longer than a Pioneer 3-AT the robot needs to turn around, or to creep as far; at least 1.
+    /// How many times longer than a Pioneer 3-AT the robot needs to turn around, or to creep as far; at
+    /// least 1.
     pub(super) slowness: f64,
     /// Speed on open ground.
     pub(super) cruise: f64,
@@ -25,14 +26,14 @@ pub(super) struct Margins {
     pub(super) feet: f64,
     /// Distance between the centres of two robots at which one waits for the other.
     pub(super) meeting: f64,
-    /// Turn in the beginning, after which the laser has seen all around, and the time after which
-    /// the turn ends in any case.
+    /// Angle of the first turn, after which the laser has seen all around, and the time after which
+    /// this turn ends in any case.
     pub(super) survey: (f64, f64),
-    /// Time for which the robot looks at an unknown place before it gives it up: two scans and the map.
+    /// Time for which the robot looks at an unknown place before it gives up: two scans and the map.
     pub(super) look: f64,
-    /// Least mean speed on a path: slower ones are given up.
+    /// Least mean speed on a path. A slower robot gives the path up.
     pub(super) slowest: f64,
-    /// A robot that moves less than this in so many seconds is stuck.
+    /// Distance and time: a robot that moves less than this distance within this time is stuck.
     pub(super) stuck: (f64, f64),
     /// Distance and speed of backing off.
     pub(super) back_off: (f64, f64),
@@ -46,7 +47,7 @@ pub(crate) fn cruising_speed(robot: &Robot) -> f64 {
     robot.max_speed * (CRUISE * 10.0) / (PIONEER_3AT.max_speed * 10.0)
 }
 
-/// Seconds that a robot needs to turn around from standstill to standstill.
+/// Time in seconds that a robot needs to turn around from standstill to standstill.
 fn turning_around(robot: &Robot) -> f64 {
     let Robot { max_turn_rate: rate, turn_acceleration: acceleration, .. } = *robot;
     match rate * rate / acceleration < PI {
@@ -79,7 +80,8 @@ impl Margins {
         }
     }
 
-    /// The time limit of what a Pioneer 3-AT does in so many seconds from now.
+    /// Returns when a task ends at the latest for which a Pioneer 3-AT would have so many seconds from
+    /// now.
     pub(super) fn limit(&self, now: f64, seconds: f64) -> f64 {
         now + seconds * self.slowness
     }

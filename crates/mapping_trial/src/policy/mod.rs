@@ -1,4 +1,4 @@
-//! Exploration policies: they decide where a robot goes next, on the estimated map alone.
+//! Exploration policies, which decide where a robot goes next from the estimated map alone.
 
 mod cautious;
 mod corridors;
@@ -46,20 +46,20 @@ use crate::robot::Robot;
 pub enum PolicyKind {
     /// Goes to the nearest frontier.
     Nearest,
-    /// Goes where most unknown space is seen per metre of path.
+    /// Goes where it sees most unknown space per metre of path.
     InfoGain,
-    /// As `nearest`, but goes back to an old position if its pose is uncertain.
+    /// As `nearest`, but returns to an earlier position if its pose is uncertain.
     Cautious,
     /// Follows the wall on its right hand.
     WallFollow,
-    /// Hallways first, rooms later, with a delay of reaction: what the operators of Zwennes (2011)
-    /// described.
+    /// Explores hallways first and rooms later, with a reaction time, as the operators of Zwennes
+    /// (2011) described.
     Corridors,
     /// Goes to the first of the eight nearest frontiers on the shortest path through all of them.
     Tour,
 }
 
-/// The policy of a kind for this number of equal robots.
+/// Creates the policy of a kind for this number of equal robots.
 pub fn build(
     kind: PolicyKind,
     robots: usize,

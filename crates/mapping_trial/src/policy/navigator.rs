@@ -1,5 +1,5 @@
-//! What all policies share: one costmap and one set of frontiers, and a pilot for each robot that
-//! drives it to goals, looks around there and frees it when it is stuck.
+//! The navigator that all policies share: one costmap and one set of frontiers, and for each robot a
+//! pilot that drives it to goals, looks around there, and frees it when it is stuck.
 
 mod escape;
 mod goal_choice;
@@ -22,10 +22,10 @@ use super::pursuit::turn;
 use super::{Decision, PolicyInput};
 use crate::backend::{Command, TICK};
 
-/// Metres around a frontier point within which a frontier is still the same one.
+/// Radius in metres around a frontier point within which a frontier counts as the same one.
 const SAME_FRONTIER: f64 = 0.3;
 
-/// Seconds that a robot waits for another one to pass, and seconds between two decisions.
+/// How long a robot waits for another one to pass, and the time between two decisions, in seconds.
 const PATIENCE: f64 = 4.0;
 const DECISION: f64 = 2.0 * TICK;
 
@@ -44,7 +44,7 @@ impl Navigator {
         decision.unwrap_or(Decision::Finished)
     }
 
-    /// Drops a robot's current goal, so that another aim takes effect.
+    /// Drops a robot's current goal, so that it can take another aim.
     pub(super) fn interrupt(&mut self, robot: usize) {
         if let Some(pilot) = self.pilots.get_mut(robot)
             && matches!(pilot.task, Task::Go { .. } | Task::Look { .. } | Task::Rest { .. })
@@ -53,15 +53,15 @@ impl Navigator {
         }
     }
 
-    /// Whether a robot is free to do something else: not in the middle of its first look around or
-    /// of a recovery.
+    /// Whether a robot is free to do something else: it is not in the middle of its first look around
+    /// or of a recovery.
     pub(super) fn is_at_ease(&self, robot: usize) -> bool {
         self.pilots.get(robot).is_some_and(|pilot| {
             matches!(pilot.task, Task::Choose | Task::Go { .. } | Task::Rest { .. })
         })
     }
 
-    /// Drives on towards an aim; `None` if it is reached or cannot be.
+    /// Drives on towards an aim; `None` if it is reached or cannot be reached.
     pub(super) fn pursue(&mut self, view: &PolicyInput<'_>, aim: &mut Aim<'_>) -> Option<Decision> {
         let Some(pose) = pose_of(view) else { return Some(Decision::Drive(Command::STOP)) };
         if view.robot >= self.pilots.len() {
@@ -70,7 +70,7 @@ impl Navigator {
         self.plan_as_before(view.robot);
         self.look(view, pose);
         let mut renewed = self.refresh_if_due(view);
-        // A task may end and another begin in the same tick, but not without a limit.
+        // In one tick, a task may end and the next one begin, but not without limit.
         for _ in 0..4 {
             let pilot = &mut self.pilots[view.robot];
             match pilot.task {
@@ -153,8 +153,8 @@ impl Navigator {
         Some(Decision::Drive(Command::STOP))
     }
 
-    /// Drives straight to a point nearby, for policies that plan their paths themselves; `None`
-    /// if the robot is stuck there.
+    /// Drives straight to a point nearby, for policies that plan their own paths; `None` if the robot
+    /// is stuck there.
     pub(super) fn steer(&mut self, view: &PolicyInput<'_>, target: DVec2) -> Option<Decision> {
         let pose = pose_of(view)?;
         if view.robot >= self.pilots.len() {
@@ -177,7 +177,7 @@ impl Navigator {
         Some(Decision::Drive(command))
     }
 
-    /// Takes in what a robot sees: obstacles ahead, and water for later.
+    /// Processes what a robot sees: obstacles ahead, and water, which is remembered.
     fn look(&mut self, view: &PolicyInput<'_>, pose: Pose) {
         self.guard.look(view.scan, view.since_scan);
         self.guard.look_at_water(pose, view.water);
@@ -193,18 +193,19 @@ impl Navigator {
         self.frontiers.goals() > 0
     }
 
-    /// Drives on; `None` when the task ends. `renewed` is whether the map has changed since the path was planned.
+    /// Drives on; `None` when the task ends. `renewed` says whether the map has changed since the path
+    /// was planned.
     fn go(&mut self, view: &PolicyInput<'_>, pose: Pose, renewed: &mut bool) -> Option<Decision> {
         let pilot = &mut self.pilots[view.robot];
         let Task::Go { goal, deadline, squeezes } = pilot.task else { return None };
         if let Some(ahead) = other_ahead(view, pose, self.margins.meeting) {
-            // The robot with the higher number lets the other pass; after a while both look for
-            // another path, on which the other is an obstacle.
+            // The robot with the higher number lets the other pass. After a while both look for another
+            // path, on which the other robot is an obstacle.
             if ahead < view.robot && pilot.waited < PATIENCE * self.margins.slowness {
                 pilot.waited += DECISION;
                 return Some(Decision::Drive(Command::STOP));
             }
-            // Once for each renewal: the path that is found then is driven.
+            // Only once per renewal: the path that is found then is driven.
             if std::mem::take(renewed) {
                 pilot.task = Task::Choose;
                 return None;
@@ -227,7 +228,7 @@ impl Navigator {
                 return None;
             }
         }
-        // Before a wall the robot stops a little earlier.
+        // Close to a wall the robot stops a little earlier.
         let held_up = pilot.progress.stalled > 0.2 * self.margins.stuck.1;
         let arrived = if held_up { 2.0 * ARRIVED } else { ARRIVED };
         let near = pilot.path.end().is_none_or(|end| end.distance(pose.position) < arrived);

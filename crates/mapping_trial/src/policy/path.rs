@@ -1,24 +1,24 @@
-//! Paths to drive: shortened from cell to cell, followed from point to point.
+//! Paths to drive: straightened from those of the planner, and followed from point to point.
 
 use glam::DVec2;
 
 use super::costmap::{CellCost, Costmap};
 use crate::map::RESOLUTION;
 
-/// Longest straight piece of a path in metres: bounds the work of shortening.
+/// Greatest length in metres of a straight piece of a path, which bounds the work of straightening.
 const LONGEST: f64 = 4.0;
 
 /// The path that a robot follows.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Path {
     points: Vec<DVec2>,
-    /// The piece that the robot is on, from this point to the next, and how far along it in metres.
+    /// The piece that the robot is on, counted by its first point, and the distance along it in metres.
     piece: usize,
     along: f64,
 }
 
 impl Path {
-    /// Takes a path from cell to cell and straightens it where that leads no nearer to walls.
+    /// Sets a path from cell to cell, and straightens it where that does not lead nearer to walls.
     pub(super) fn set(&mut self, costmap: &mut Costmap, cells: &[DVec2]) {
         self.clear();
         let Some(&first) = cells.first() else { return };
@@ -59,8 +59,8 @@ impl Path {
         self.points.last().copied()
     }
 
-    /// Moves on to the point of the path that is nearest to the robot, within the next 1.5 m:
-    /// never back, and not across a wall to a later piece.
+    /// Moves on to the point of the path that is nearest to the robot, within the next 1.5 m. It never
+    /// moves back, nor across a wall to a later piece.
     pub(super) fn advance(&mut self, p: DVec2) {
         let (mut best, mut nearest) = ((self.piece, self.along), f64::INFINITY);
         let mut left = 1.5;
@@ -81,8 +81,8 @@ impl Path {
         (self.piece, self.along) = best;
     }
 
-    /// Calls `visit` with points of the path from the robot's position on, `step` metres apart
-    /// and at most `far` metres ahead, until it returns false; the end is always among them.
+    /// Calls `visit` with points of the path from the robot's position on, `step` metres apart and at
+    /// most `far` metres ahead, until it returns false. The end is always among the points.
     pub(super) fn ahead(&self, step: f64, far: f64, mut visit: impl FnMut(DVec2) -> bool) {
         let (mut piece, mut along, mut left) = (self.piece, self.along, far);
         while piece + 1 < self.points.len() {
@@ -105,14 +105,14 @@ impl Path {
         }
     }
 
-    /// Metres left to the end.
+    /// Distance in metres to the end of the path.
     pub(super) fn left(&self) -> f64 {
         let pieces = self.points.windows(2).skip(self.piece);
         (pieces.map(|ab| ab[0].distance(ab[1])).sum::<f64>() - self.along).max(0.0)
     }
 
-    /// Whether the map still lets the robot pass, or squeeze through, up to so many metres ahead. Cells
-    /// at the beginning that it does not fit into, and has to leave, do not count.
+    /// Whether the map still lets the robot pass, if only barely, up to so many metres ahead. Cells at
+    /// the beginning that it does not fit into, and has to leave, do not count.
     pub(super) fn is_passable(&self, costmap: &mut Costmap, far: f64) -> bool {
         let (mut out, mut passable) = (false, true);
         self.ahead(0.1, far, |p| {

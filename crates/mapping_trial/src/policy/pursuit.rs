@@ -11,22 +11,22 @@ use super::path::{Path, worst_between};
 use crate::backend::Command;
 use crate::robot::Robot;
 
-/// Lookahead in metres on the path where it is narrow.
+/// Lookahead distance in metres on narrow parts of the path.
 const SHORT_LOOKAHEAD: f64 = 0.3;
 
-/// Metres between the body and an echo ahead at which it has to stop.
+/// Distance in metres between the body and an echo ahead at which the robot has to stop.
 const STOP: f64 = 0.10;
 
 /// Angles in radians at which turning on the spot begins and ends.
 const TURN: (f64, f64) = (1.2, 0.4);
 
-/// Radius in metres of the curves that are driven at full speed.
+/// Radius in metres from which curves are driven at full speed.
 const FULL_SPEED_RADIUS: f64 = 0.8;
 
-/// Metres between the body and an echo below which it drives more slowly.
+/// Distance in metres between the body and an echo below which the robot slows down.
 const NEAR: f64 = 0.3;
 
-/// Angle in radians between directions that are tried around an obstacle.
+/// Angle in radians between the directions that are tried around an obstacle.
 const FAN: f64 = 0.087;
 
 /// Drives one robot along paths.
@@ -69,7 +69,7 @@ impl Pursuit {
         }
         let bend = (1.0 / (curvature.abs() * FULL_SPEED_RADIUS).max(1.0)).max(0.35);
         let near = 0.4 + 0.6 * (guard.clearance() / NEAR).min(1.0);
-        // Braking towards the end, at less than what the robot could.
+        // Brakes towards the end, with less than the greatest deceleration of the robot.
         let end = (robot.acceleration * left).sqrt() + 0.05;
         // A robot that turns slowly would leave the curve.
         let turnable = robot.max_turn_rate / curvature.abs();
@@ -78,7 +78,7 @@ impl Pursuit {
         Command { speed, turn_rate }
     }
 
-    /// An obstacle that the map does not show is on the path: turns to the direction nearest to the
+    /// Avoids an obstacle on the path that the map does not show: turns to the direction nearest to the
     /// wanted one in which the laser sees enough free space, and drives there slowly.
     fn around(&mut self, robot: &Robot, off: f64, left: f64, guard: &Guard, creep: f64) -> Command {
         let need = STOP + left.min(0.3);
@@ -98,7 +98,7 @@ impl Pursuit {
     }
 }
 
-/// The point to drive towards: as far ahead on the path as the robot can drive straight.
+/// The point to drive towards: as far along the path as the robot can drive straight.
 fn target(p: DVec2, path: &Path, costmap: &mut Costmap, lookahead: f64) -> Option<DVec2> {
     let mut target = None;
     let leaving = !costmap.cell_cost_at(p).is_passable();
@@ -117,13 +117,13 @@ fn target(p: DVec2, path: &Path, costmap: &mut Costmap, lookahead: f64) -> Optio
     target
 }
 
-/// Turns on the spot by an angle, braking in time.
+/// Turns on the spot by an angle, and brakes in time.
 pub(super) fn turn(robot: &Robot, angle: f64) -> Command {
     let rate = (1.6 * robot.turn_acceleration * angle.abs()).sqrt().min(3.0 * angle.abs());
     Command { speed: 0.0, turn_rate: rate.min(robot.max_turn_rate).copysign(angle) }
 }
 
-/// Greatest speed from which the robot stops [`STOP`] before an obstacle `free` metres away.
+/// Greatest speed from which the robot can stop [`STOP`] before an obstacle that is `free` metres away.
 fn stopping_speed(robot: &Robot, free: f64) -> f64 {
     (2.0 * robot.acceleration * (free - STOP).max(0.0)).sqrt()
 }

@@ -1,29 +1,29 @@
-//! Cheapest paths on the costmap, exactly: Dijkstra (1959), and A* (Hart, Nilsson and Raphael, 1968,
-//! <https://doi.org/10.1109/TSSC.1968.300136>) if there is one goal.
+//! Searches the costmap for optimal paths with Dijkstra's algorithm (1959), or with A* (Hart, Nilsson
+//! and Raphael, 1968, <https://doi.org/10.1109/TSSC.1968.300136>) if there is one goal.
 
 use glam::{DVec2, IVec2};
 
 use super::costmap::{CellCost, Costmap, NODES, Node, SIDE, STEPS};
 
-/// Cost per metre where no obstacle is near.
+/// Cost per metre far from obstacles.
 pub const COST_PER_METRE: u32 = (10.0 / SIDE) as u32;
 
-/// Cost of a straight and of a diagonal step, by cell cost. A robot in cells that its body does not
-/// fit into may only leave them.
+/// Costs of a straight and of a diagonal step, by cell cost. In cells that its body does not fit into,
+/// a robot may only drive out of them.
 const COSTS: [[u32; 2]; 8] =
     [[10, 14], [14, 20], [22, 31], [36, 51], [100, 141], [100, 141], [100, 141], [u32::MAX; 2]];
 
-/// Number of queues, more than the priority can rise in one step.
+/// Number of queues, which is more than the priority can rise in one step.
 const QUEUES: usize = 256;
 
-/// How far in metres a robot of the Pioneer's size may drive from its start while it does not fit.
+/// How far in metres a robot of the Pioneer's size may drive from its start where it does not fit.
 const ESCAPE: f64 = 1.2;
 
-/// How far in metres around a robot of that size to look for start cells if its own is
-/// occupied.
+/// Radius in metres around a robot of the Pioneer's size in which start cells are searched if its own
+/// is occupied.
 const BODY: f64 = 0.3;
 
-/// A disc where no path may lead for now.
+/// A disc that paths avoid for some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeepoutZone {
     /// Centre in metres in the map's frame.
@@ -32,7 +32,7 @@ pub struct KeepoutZone {
     pub radius: f64,
 }
 
-/// The state of the last search, and its memory.
+/// A path planner on a costmap, with the state and the memory of its last search.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, glam::DVec2, hallway::HallwaySpec};
@@ -57,22 +57,23 @@ pub struct KeepoutZone {
 #[derive(Clone, Debug)]
 pub struct GridPlanner {
     nodes: Vec<State>,
-    /// The search that each tile was last used in.
+    /// For each tile, the search in which it was last used.
     used: Vec<u32>,
     search: u32,
     /// The worst cell cost on paths.
     worst_allowed: CellCost,
     queues: Vec<Vec<(Node, u32)>>,
-    /// Start cells by priority, with their cost. Those of large robots are too far apart for the queues at once.
+    /// Start cells with their costs, by priority. Those of large robots are too far apart to enter the
+    /// queues at once.
     seeds: Vec<(u32, Node, u32)>,
-    /// [`ESCAPE`] of the robot, in planning cells.
+    /// [`ESCAPE`] for this robot, in planning cells.
     escape: i32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct State {
     cost: u32,
-    /// The step that led here, 8 at a start.
+    /// The direction of the step that led here; 8 at a start.
     from: u8,
     closed: bool,
 }
@@ -95,18 +96,18 @@ impl Default for GridPlanner {
 }
 
 impl GridPlanner {
-    /// A planner without a search.
+    /// Creates a planner that has not searched yet.
     pub fn new() -> Self {
         GridPlanner::default()
     }
 
-    /// From now on paths lead through cells of this cost and better ones.
+    /// Limits paths to cells of this cost and better ones, from now on.
     pub fn set_worst_allowed(&mut self, worst_allowed: CellCost) {
         self.worst_allowed = worst_allowed;
     }
 
-    /// Visits cells in the order of their cost from `start` until `done` returns true, and returns the
-    /// last one; `None` if all cells that can be reached were visited.
+    /// Visits cells in ascending order of their cost from `start` until `done` returns true. Returns
+    /// the last cell, or `None` if all cells that can be reached were visited.
     pub fn nearest(
         &mut self,
         costmap: &mut Costmap,
@@ -117,7 +118,8 @@ impl GridPlanner {
         self.run(costmap, start, blocks, |_| 0, done)
     }
 
-    /// The cheapest path to the planning cell that contains a point; `None` if there is no path.
+    /// Returns the cheapest path to the planning cell that contains a point; `None` if there is no
+    /// path.
     pub fn to(
         &mut self,
         costmap: &mut Costmap,
@@ -135,7 +137,8 @@ impl GridPlanner {
         self.run(costmap, start, blocks, left, |node, _| node == goal)
     }
 
-    /// The path to a node that the last search visited, from its start: the points to drive through.
+    /// Writes the path to a node that the last search visited into `points`, from the start of the
+    /// search.
     pub fn path_to(&self, costmap: &Costmap, to: Node, points: &mut Vec<DVec2>) {
         points.clear();
         let mut node = to;
@@ -151,7 +154,7 @@ impl GridPlanner {
         points.reverse();
     }
 
-    /// Cost of a node that the last search visited.
+    /// Returns the cost of a node that the last search visited.
     pub fn cost(&self, node: Node) -> Option<u32> {
         let seen = self.used.get(node.slot()) == Some(&self.search);
         seen.then(|| self.nodes[node.0 as usize].cost).filter(|&cost| cost != u32::MAX)
@@ -174,7 +177,7 @@ impl GridPlanner {
         self.collect_seeds(costmap, start, &left);
         let mut waiting = self.seeds.len();
         let (mut priority, mut queued) = (self.seeds.first().map_or(0, |seed| seed.0), 0);
-        // The queues hold the next QUEUES priorities in turn: no step adds as many.
+        // The queues hold the next QUEUES priorities in turn, since no step adds as many.
         while waiting > 0 {
             while let Some(&(of_seed, node, cost)) = self.seeds.get(queued)
                 && of_seed < priority + QUEUES as u32
@@ -224,7 +227,8 @@ impl GridPlanner {
         }
     }
 
-    /// Closes the nodes of a keepout zone, except those at the start, which the robot has to leave.
+    /// Closes the nodes of a keepout zone, except those around the start, since the robot has to get
+    /// out.
     fn block(&mut self, costmap: &mut Costmap, block: &KeepoutZone, start: IVec2) {
         if !(block.radius.is_finite() && block.center.is_finite()) {
             return;
@@ -247,8 +251,8 @@ impl GridPlanner {
         }
     }
 
-    /// Collects the start cells: the cell that contains the start or, if that is occupied according to the
-    /// map, the cells around it that are not.
+    /// Collects the start cells: the cell that contains the start or, if the map shows it as occupied,
+    /// the cells around it that are not.
     fn collect_seeds(&mut self, costmap: &mut Costmap, start: DVec2, left: impl Fn(IVec2) -> u32) {
         self.seeds.clear();
         let Some(node) = costmap.node_at(start) else { return };
@@ -283,7 +287,7 @@ impl GridPlanner {
         let mut added = 0;
         let is_within_tile = node.is_within_tile();
         for direction in 0..STEPS.len() {
-            // Most neighbours are in the node's own tile, which is entered already.
+            // Most neighbours are in the tile of the node, which is already prepared.
             let next = if is_within_tile {
                 node.beside(direction)
             } else {
@@ -298,9 +302,8 @@ impl GridPlanner {
             let cell_cost = costmap.derived_cell_cost(next);
             let fits = cell_cost <= self.worst_allowed;
             if !fits || !inside {
-                // A robot that does not fit where it is may drive on until it does, but not far,
-                // not between two occupied cells, and never from where it fits to where it does
-                // not.
+                // A robot that does not fit where it is may drive until it fits, but not far, not
+                // between two occupied cells, and never from where it fits to where it does not.
                 if cell_cost == CellCost::Occupied
                     || (inside && !fits)
                     || (costmap.place(next) - start).abs().max_element() > self.escape
@@ -331,7 +334,7 @@ impl GridPlanner {
     }
 }
 
-/// The nearest number of planning cells, at least one.
+/// Converts a distance to the nearest number of planning cells, at least one.
 fn in_cells(distance: f64) -> i32 {
     ((distance / SIDE).round() as i32).max(1)
 }

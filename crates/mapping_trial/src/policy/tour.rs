@@ -1,6 +1,6 @@
-//! The first frontier of the shortest path through the nearest ones. As the goals of Kulich, Faigl and Preucil (On
-//! distance utility in the exploration task, 2011), but a path that does not return, through the nearest cells of at most
-//! eight frontiers.
+//! Goes to the first frontier of the shortest path through the nearest ones. This is as in Kulich,
+//! Faigl and Preucil (On distance utility in the exploration task, 2011), but the path does not return
+//! to its start, and leads through the nearest cells of at most eight frontiers.
 
 use glam::DVec2;
 
@@ -8,7 +8,7 @@ use super::costmap::Node;
 use super::navigator::{Navigator, Planning};
 use super::{Decision, ExplorationPolicy, PolicyInput};
 
-/// The most frontiers on a path.
+/// Greatest number of frontiers on a path.
 const STOPS: usize = 8;
 
 /// Goes to the first of the eight nearest frontiers on the shortest path through all of them.
@@ -65,12 +65,12 @@ fn costs_from(planning: &mut Planning<'_>, from: Node, stops: &[(Node, u32)]) ->
     costs
 }
 
-/// The first stop of the shortest path through all of them, from the costs of the paths to each and between them; of
-/// equals the first. Exact (Held and Karp, 1962).
+/// Returns the first stop of the shortest path through all stops, given the costs of the paths to each
+/// and between them. Of equally good stops it is the first. The method is exact (Held and Karp, 1962).
 fn first_stop(starts: &[u32], legs: &[Vec<u32>]) -> usize {
     let all = (1_usize << starts.len()) - 1;
     let indices = || 0..starts.len();
-    // The least cost from a stop through all of a set, by set and stop.
+    // The least cost from a stop through all stops of a set, by set and stop.
     let mut rest = vec![vec![0_u64; starts.len()]; all + 1];
     for set in 1..=all {
         for from in indices().filter(|from| set & (1 << from) == 0) {

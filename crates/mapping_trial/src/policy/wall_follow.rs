@@ -1,4 +1,4 @@
-//! Follows the wall on its right, and goes to the nearest frontier when that leads in a circle.
+//! Follows the wall on its right, and goes to the nearest frontier if that leads in a circle.
 
 use envgen::geometry::{Pose, Rect, unit_vector, wrap_angle};
 use glam::DVec2;
@@ -8,10 +8,10 @@ use super::navigator::{Navigator, pose_of};
 use super::path::worst_between;
 use super::{Decision, ExplorationPolicy, PolicyInput};
 
-/// Metres that have to be free in a direction to take it.
+/// Distance in metres that has to be free in a direction for the robot to take it.
 const PROBE: f64 = 0.6;
 
-/// Metres to the right within which there has to be a wall to follow.
+/// Distance in metres to the right within which there has to be a wall to follow.
 const HAND: f64 = 1.2;
 
 /// Angle in radians between directions that are tried.
@@ -20,22 +20,24 @@ const FAN: f64 = 0.175;
 /// Directions that are tried, from the right rear to the left rear.
 const DIRECTIONS: i32 = 30;
 
-/// Number of directions from the rightmost on, of which the first that keeps clear of the wall is taken.
+/// Number of directions, from the rightmost on, of which the first that keeps clear of the wall is
+/// taken.
 const ASIDE: i32 = 4;
 
-/// Metres between remembered positions, the distance at which the robot counts as back at one, and
-/// the least path length in between.
+/// Distance in metres between remembered positions, the distance at which the robot counts as back at
+/// one of them, and the least path length in between.
 const APART: f64 = 0.5;
 const AGAIN: f64 = 0.5;
 const ROUND: f64 = 10.0;
 
-/// Greatest number of remembered positions; then every second one is forgotten.
+/// Greatest number of remembered positions. At this number, every second one is forgotten.
 const PLACES: usize = 4096;
 
-/// Metres from all positions where the robot followed a wall from which it follows a wall again.
+/// Distance in metres from all positions where the robot followed a wall, from which it follows a wall
+/// again.
 const AFRESH: f64 = 2.5;
 
-/// Seconds between two checks whether anything is left to explore.
+/// Time in seconds between two checks whether anything is left to explore.
 const LOOK: f64 = 5.0;
 
 /// Follows the wall on its right.
@@ -48,7 +50,7 @@ pub(super) struct WallFollow {
 #[derive(Clone, Debug, Default)]
 struct Follower {
     mode: Mode,
-    /// Where it followed walls, and in which direction, each with the metres driven before.
+    /// Where and in which direction it followed walls, each with the path length in metres before.
     trail: Vec<(DVec2, DVec2, f64)>,
     driven: f64,
     last: Option<DVec2>,
@@ -122,10 +124,10 @@ impl Follower {
         self.trail.iter().all(|(at, ..)| at.distance_squared(p) > AFRESH * AFRESH)
     }
 
-    /// The point to drive to: the rightmost direction in which the map is free, or one a little to
-    /// the left of it that leads less close along the wall; straight on until
-    /// there is a wall to follow. The border of the area to map counts as a wall. `None` if the wall led in
-    /// a circle, or the robot cannot continue.
+    /// Returns the point to drive to: in the rightmost direction in which the map is free, or a little
+    /// to the left of it, in one that leads less close along the wall; straight on until there is a
+    /// wall to follow. The border of the area to map counts as a wall. `None` if the wall led in a
+    /// circle, or if the robot cannot continue.
     fn target(&mut self, navigator: &mut Navigator, pose: Pose, area: Rect) -> Option<DVec2> {
         let ahead = unit_vector(pose.heading);
         let again = self.trail.iter().any(|&(at, then, driven)| {
@@ -164,7 +166,8 @@ impl Follower {
         self.touching = true;
         let angle = |step: i32| wrap_angle(FAN * f64::from(step) - 1.8);
         let first = (0..DIRECTIONS).find(|&step| free(costmap, angle(step), PROBE).is_some())?;
-        // Driving close along the wall is slow and ends in collisions: a little more to the left if possible.
+        // Driving close along the wall is slow and ends in collisions, so a direction a little to the
+        // left is preferred.
         let mut roomy = None;
         for step in first..first + ASIDE {
             let Some(to) = free(costmap, angle(step), PROBE) else { break };

@@ -1,5 +1,5 @@
-//! The last means of a robot that is stuck: it looks all around and drives to where the laser sees most
-//! free space, whatever the map shows.
+//! The last resort of a robot that is stuck: it looks all around and drives to where the laser sees
+//! most free space, whatever the map shows.
 
 use std::f64::consts::TAU;
 
@@ -12,20 +12,21 @@ use crate::backend::Command;
 use crate::policy::pursuit::turn;
 use crate::policy::{Decision, PolicyInput};
 
-/// Number of escapes after which a robot that is stuck again is given up.
+/// Number of escapes after which a robot that is stuck again gives up.
 const MOST_ESCAPES: u32 = 6;
 
 /// Time limit in seconds of an escape.
 const TIME: f64 = 30.0;
 
-/// Distance in metres that it drives at most, and distance to an echo at which it stops.
+/// Greatest distance in metres of an escape, and the distance to an echo at which it stops.
 const DRIVE: (f64, f64) = (1.0, 0.12);
 
 /// Free space ahead in metres beyond which more does not count.
 const ENOUGH: f64 = 1.2;
 
-/// Angle in radians to either side, metres up to which free space there counts, and its weight: of two
-/// directions with as much free space ahead, the one with more room beside the body is better.
+/// Angle in radians to either side, the distance in metres up to which free space there counts, and its
+/// weight. Of two directions with equal free space ahead, the one with more space beside the body is
+/// better.
 const SIDES: (f64, f64, f64) = (1.4, 0.3, 0.1);
 
 impl Navigator {
@@ -59,7 +60,7 @@ impl Navigator {
             Escape::Look { heading, turned, best } => {
                 let turned = turned + wrap_angle(pose.heading - heading);
                 let best = self.freest(pose, view.body.laser_mount.heading, best);
-                // Each direction is rated where the laser faces it: a laser that sees all around does not help.
+                // Each direction is rated while the laser faces it, even if the laser sees all around.
                 let left = TAU - turned;
                 if left > 0.1 {
                     let look = Escape::Look { heading: pose.heading, turned, best };
@@ -89,8 +90,9 @@ impl Navigator {
         Some(Decision::Drive(command))
     }
 
-    /// The better one of a direction, as its heading and worth, and where the laser faces, `mount` from where the
-    /// robot does: the scan then sees both sides of the body.
+    /// Returns the better of two directions, each as its heading and its worth: `best`, and the one
+    /// that the laser faces, which is `mount` from the robot's heading. The scan then sees both sides
+    /// of the body.
     fn freest(&self, pose: Pose, mount: f64, best: (f64, f64)) -> (f64, f64) {
         let (angle, most, weight) = SIDES;
         let free = |angle| self.guard.free_towards(unit_vector(mount + angle));
@@ -99,7 +101,7 @@ impl Navigator {
         if worth > best.1 { (pose.heading + mount, worth) } else { best }
     }
 
-    /// Plans again: what blocked the robot may not block it from here.
+    /// Plans again, since what blocked the robot may not block it from here.
     fn end_escape(&mut self, view: &PolicyInput<'_>) {
         self.refresh(view);
         let pilot = &mut self.pilots[view.robot];

@@ -10,11 +10,11 @@ use crate::policy::costmap::{CellCost, Costmap, Node};
 use crate::policy::frontier::Frontiers;
 use crate::policy::search::{COST_PER_METRE, GridPlanner, KeepoutZone};
 
-/// Share of the laser's range within which a wall has to be for a goal to be in sight of it:
-/// from there at least as long a piece of the wall is seen as its distance.
+/// Fraction of the laser's range within which a wall has to be for a goal to be in sight of it. From
+/// there the laser sees a piece of the wall at least as long as the distance to it.
 const IN_SIGHT: f64 = 0.6;
 
-/// Metres around another robot's goal that are left to it.
+/// Radius in metres around another robot's goal that is left to that robot.
 const TAKEN: f64 = 2.0;
 
 /// The input for the choice of a goal: everything that is known, and the robot's pose.
@@ -24,7 +24,7 @@ pub(in crate::policy) struct Planning<'a> {
     pub(in crate::policy) search: &'a mut GridPlanner,
     /// Where the robot is.
     pub(in crate::policy) pose: Pose,
-    /// Where no path may lead.
+    /// Zones that paths avoid.
     pub(in crate::policy) blocks: &'a [KeepoutZone],
     /// The worst cell cost on paths.
     pub(in crate::policy) limit: CellCost,
@@ -46,8 +46,9 @@ impl Planning<'_> {
         search.nearest(costmap, pose.position, blocks, goal)
     }
 
-    /// The nearest goal of each cluster with the cost of the path to it, the nearest first: of at most `most` clusters,
-    /// and of those up to about `farther` metres beyond the nearest.
+    /// Writes the nearest goal of each cluster with the cost of the path to it into `goals`, the
+    /// nearest first: of at most `most` clusters, with paths up to about `farther` metres longer than
+    /// that to the nearest.
     pub(in crate::policy) fn nearest_of_each(
         &mut self,
         most: usize,
@@ -77,25 +78,25 @@ impl Planning<'_> {
     }
 }
 
-/// What a robot is to do.
+/// The present aim of a robot.
 pub(in crate::policy) enum Aim<'a> {
-    /// Uncover the frontiers that this chooses.
+    /// Uncover the frontiers that this function chooses.
     Explore(&'a mut dyn FnMut(&mut Planning<'_>) -> Option<Node>),
     /// Go to a position.
     Visit(DVec2),
 }
 
-/// The goals that are excluded out of caution.
+/// Goals that are excluded as a precaution.
 #[derive(Clone, Copy, Debug)]
 struct Restraint {
-    /// Those from which no known wall is seen: the pose would depend on the wheels alone there.
+    /// Goals from which no known wall is seen: there the pose would depend on the wheels alone.
     in_sight: bool,
-    /// Those that are near other robots' goals.
+    /// Goals near those of other robots.
     others: bool,
 }
 
 impl Navigator {
-    /// Chooses a goal and plans the path to it; false if no goal is left.
+    /// Chooses a goal and plans the path to it. Returns false if no goal is left.
     pub(super) fn choose(&mut self, view: &PolicyInput<'_>, pose: Pose, aim: &mut Aim<'_>) -> bool {
         self.costmap.refresh(view.map);
         self.collect_blocks(view, pose);
@@ -107,7 +108,7 @@ impl Navigator {
                 };
                 let Some(cluster) = self.frontiers.cluster_at(node) else { return false };
                 let point = self.costmap.point(node);
-                // Not one at which a look has failed: it would fail again, and again.
+                // Goals at which a look has failed are excluded: it would fail again and again.
                 let failures = &self.failures;
                 let is_open = |p: DVec2| {
                     let mut active = failures.iter().filter(|failure| failure.active);
@@ -132,9 +133,10 @@ impl Navigator {
         true
     }
 
-    /// A goal, and whether its path leads through gaps that the robot may not fit through. Exclusions
-    /// are dropped step by step: first the sight of walls, then other robots' goals, then
-    /// where this one was stuck, then the goals that failed once, at last the width of gaps.
+    /// Chooses a goal, and returns whether its path leads through gaps that the robot may not fit
+    /// through. Exclusions are dropped step by step: first the sight of walls, then other robots'
+    /// goals, then places where this robot was stuck, then goals that failed once, and at last the
+    /// width of gaps.
     fn choose_frontier(
         &mut self,
         view: &PolicyInput<'_>,
@@ -217,7 +219,7 @@ impl Navigator {
         pilot.task = Task::Go { goal, deadline, squeezes };
     }
 
-    /// The zones where no path of a robot may lead for now.
+    /// Collects the zones that a robot's paths avoid for now.
     fn collect_blocks(&mut self, view: &PolicyInput<'_>, pose: Pose) {
         let pilot = &mut self.pilots[view.robot];
         pilot.avoid.retain(|(until, _)| *until > view.seen.time);
@@ -226,7 +228,7 @@ impl Navigator {
         let others = view.estimates.iter().enumerate().filter(|(other, _)| *other != view.robot);
         self.blocks.extend(others.map(|(_, other)| {
             let center = other.pose.position;
-            // Who is nearer already has to get out.
+            // A robot that is already nearer has to get out.
             let inside = 0.9 * center.distance(pose.position);
             let radius = (2.0 * view.body.circumscribed_radius + 0.1).min(inside);
             KeepoutZone { center, radius }

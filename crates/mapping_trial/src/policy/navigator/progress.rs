@@ -1,4 +1,4 @@
-//! Whether a robot that wants to move does.
+//! Detects robots that want to move but do not.
 
 use glam::DVec2;
 
@@ -18,8 +18,8 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// Notes where the robot is, and returns whether it has moved less than a distance for so many
-    /// seconds.
+    /// Records the robot's position, and returns whether it has moved less than a distance for a number
+    /// of seconds.
     pub(super) fn is_stuck(&mut self, time: f64, p: DVec2, (least, within): (f64, f64)) -> bool {
         if self.at.is_none_or(|at| at.distance(p) >= least) {
             (self.at, self.stalled) = (Some(p), 0.0);
@@ -31,7 +31,7 @@ impl Progress {
         self.stalled >= within
     }
 
-    /// Notes the command to the robot: a turn on the spot may take its time.
+    /// Records the command to the robot: a turn on the spot may take some time.
     pub(super) fn wants(&mut self, command: Command, time: f64) {
         let turns = command.speed == 0.0 && command.turn_rate != 0.0;
         self.weight = if turns { TURNING } else { 1.0 };

@@ -1,4 +1,4 @@
-//! What a navigator does with a robot that makes no progress: notices it, and backs off.
+//! Recovery of robots that make no progress: noticing it, and backing off.
 
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
@@ -11,14 +11,14 @@ use crate::policy::search::KeepoutZone;
 use crate::policy::{Decision, PolicyInput};
 use crate::robot::Robot;
 
-/// After this many recoveries within so many seconds backing off does not help.
+/// Number of recoveries within a number of seconds after which backing off does not help.
 const HOPELESS: (usize, f64) = (3, 60.0);
 
-/// Seconds for which the robot drives around a place where it got stuck.
+/// Time in seconds for which the robot avoids a place where it got stuck.
 const AVOID: f64 = 90.0;
 
 impl Navigator {
-    /// Begins to free a robot that is stuck; it escapes if that has happened too often.
+    /// Begins to free a robot that is stuck. It escapes instead if that has happened too often.
     pub(super) fn recover(
         &mut self,
         view: &PolicyInput<'_>,
@@ -48,7 +48,7 @@ impl Navigator {
         if pilot.recovered.len() >= HOPELESS.0 {
             return self.begin_escape(view, pose);
         }
-        // Whatever the unmapped obstacle is, it is where the path led.
+        // The unmapped obstacle, whatever it is, lies where the path led.
         let (radius, near) = self.margins.obstruction;
         let mut ahead = pose.position + unit_vector(pose.heading) * near;
         pilot.path.ahead(0.1, near + 0.3, |p| {
@@ -63,7 +63,7 @@ impl Navigator {
         None
     }
 
-    /// Whether no obstacle and no water is known where the robot would back to.
+    /// Whether the map shows no obstacle and no water where the robot would back off to.
     pub(super) fn is_free_behind(&self, robot: &Robot, pose: Pose) -> bool {
         let back = -unit_vector(pose.heading);
         let reach = (robot.circumscribed_radius / RESOLUTION) as i32;
@@ -79,7 +79,7 @@ impl Navigator {
         })
     }
 
-    /// The angle by which to turn to the side where the laser sees more free space.
+    /// Returns the angle by which to turn to the side where the laser sees more free space.
     pub(super) fn open_side(&self) -> f64 {
         let nearest = |side: f64| {
             let echoes = self.guard.echoes().iter().filter(|echo| side * echo.y > 0.0);

@@ -1,5 +1,5 @@
-//! What a robot does before it has nothing left to explore: obstacles that were seen wrongly, or poses
-//! that were wrong, may have closed the path to what is left.
+//! The last attempts of a robot before it declares that nothing is left to explore. False echoes or
+//! wrong poses may have closed the path to what is left.
 
 use envgen::geometry::Pose;
 
@@ -10,16 +10,16 @@ use crate::policy::PolicyInput;
 /// Greatest number of times that a robot looks around again.
 const LOOKS: u32 = 4;
 
-/// Greatest number of goals that it tries through gaps that are too narrow on the map.
+/// Greatest number of goals that it tries behind gaps that are too narrow on the map.
 const NARROW_GOALS: u32 = 6;
 
-/// Frontier cells that make one of those goals worth it: 1 m, as wide as a doorway.
+/// Least number of frontier cells for which such a goal is worth it: 1 m, the width of a doorway.
 const WIDE: usize = 20;
 
 impl Navigator {
-    /// Tries what is left: first the robot forgets what failed and looks all around, then it takes
-    /// gaps that are a little too narrow on the map, in which the laser has to keep it off the
-    /// walls. False if there is nothing left to try.
+    /// Tries what is left. First the robot forgets failures and looks all around; then it tries gaps
+    /// that are a little too narrow on the map, where the laser has to keep it off the walls. Returns
+    /// false if there is nothing left to try.
     pub(super) fn look_again(
         &mut self,
         view: &PolicyInput<'_>,
