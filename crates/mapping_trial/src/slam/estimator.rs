@@ -1,33 +1,33 @@
-//! What a SLAM estimator does.
+//! The interface of SLAM estimators.
 
 use envgen::geometry::Pose;
 
 use crate::backend::Observation;
 use crate::map::{Estimate, OccupancyMap};
 
-/// A SLAM estimator, for one robot or several that share one map.
+/// A SLAM estimator for one robot, or for several that share one map.
 ///
-/// Robots know where they start; the map's frame is the one in which those poses are given. Changes of
-/// the map are announced by [`OccupancyMap::touch`]: policies and scores look only there.
+/// Robots know where they start, and the map's frame is that of their start poses. An estimator has to
+/// announce changes of the map by [`OccupancyMap::touch`], since policies and scores look only there.
 ///
-/// An estimator of your own is plugged in by [`TrialBuilder::slam`](crate::trial::TrialBuilder::slam).
+/// A custom estimator is plugged in with [`TrialBuilder::slam`](crate::trial::TrialBuilder::slam).
 pub trait Slam {
-    /// Its name in logs and reports of trials that it is plugged into; the type's path by
-    /// default.
+    /// Returns the name of a plugged-in estimator for logs and reports. The default is the path of the
+    /// type.
     fn name(&self) -> &str {
         std::any::type_name::<Self>()
     }
 
-    /// Takes what one robot measured in one tick.
+    /// Processes what one robot measured in one tick.
     fn step(&mut self, robot: usize, seen: &Observation);
 
-    /// The pose estimate of a robot, in the map's frame.
+    /// Returns the pose estimate of a robot, in the map's frame.
     fn estimate(&self, robot: usize) -> Estimate;
 
-    /// The map so far.
+    /// Returns the map so far.
     fn map(&self) -> &OccupancyMap;
 
-    /// The best estimate now of a robot's pose after each of its steps, the start first: one pose
-    /// more than steps. Loop closing may change the past.
+    /// Returns the present best estimates of a robot's past poses: the start, and the pose after each
+    /// of its steps. Loop closing may change past poses.
     fn trajectory(&self, robot: usize) -> Vec<Pose>;
 }

@@ -1,4 +1,4 @@
-//! Combines a match and wheel odometry: across walls the match counts, along them the wheels.
+//! Fusion of scan matches with wheel odometry: across walls the match counts, along them the wheels.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DMat3, DVec2, DVec3};
@@ -9,16 +9,16 @@ use super::walls::WallPiece;
 /// Standard deviation in metres of an echo's distance from its wall in a match.
 const WALL_DEVIATION: f64 = 0.03;
 
-/// Standard deviation in metres of a step that does not come from its length: wheels slip on the
-/// spot too.
+/// Standard deviation in metres of a step that does not depend on its length, since wheels also slip on
+/// the spot.
 const SLIP: f64 = 0.002;
 
-/// Share of the squared normals below which a direction counts as not held by walls: twice the
-/// effect of range noise on a straight wall.
+/// Fraction of the squared normals below which walls do not hold a direction: twice the effect of range
+/// noise on a straight wall.
 const ROUGHNESS: f64 = 0.005;
 
-/// What the wheels may have added to the error of a pose since walls last held it, by
-/// direction: the covariance of x, y (m) and heading (rad), relative to the map, not the world.
+/// The error that the wheels may have added to a pose since walls last held it, by direction: the
+/// covariance of x, y (m) and heading (rad), relative to the map, not the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drift(DMat3);
 
@@ -26,7 +26,7 @@ impl Drift {
     /// No drift: a known pose.
     pub(super) const NONE: Drift = Drift(DMat3::ZERO);
 
-    /// The drift after a step by `shift` metres; an error of the heading turns into one of the position.
+    /// The drift after a step by `shift` metres. An error of the heading becomes one of the position.
     pub(super) fn after(self, step: Variance, shift: DVec2) -> Drift {
         let swing = DMat3::from_cols(DVec3::X, DVec3::Y, shift.perp().extend(1.0));
         let position = step.position + SLIP * SLIP;
@@ -34,7 +34,7 @@ impl Drift {
         Drift(swing * self.0 * swing.transpose() + added)
     }
 
-    /// The drift that remains after walls hold the pose; along a bare wall it stays.
+    /// The drift that remains where walls hold the pose. Along a bare wall it stays.
     pub(super) fn held(self, walls: &[WallPiece], pose: Pose) -> Drift {
         let left = (information(walls, pose) + self.0.inverse()).inverse();
         if left.is_finite() { Drift(left) } else { self }
@@ -52,15 +52,15 @@ impl Drift {
     }
 }
 
-/// The pose that agrees best with a match and with the wheels, and its remaining drift;
-/// `drift` is that of the expected pose.
+/// Returns the pose that agrees best with a match and with the wheels. `drift` is that of the expected
+/// pose.
 ///
-/// A match is an optimum of the likelihood, but where all walls run in one direction nothing holds it
-/// along them: it follows their roughness, and is pulled back over every new wall, by some percent
-/// of the path. Each echo on a known wall gives information on one direction, the wall's normal, and on
-/// the turn by its lever; the match counts as far as that reaches, the wheels for the rest (a weighted
-/// least-squares solution, as in Censi, An accurate closed-form estimate of ICP's covariance, ICRA 2007,
-/// <https://doi.org/10.1109/ROBOT.2007.363961>).
+/// A match is an optimum of the likelihood. But if all walls run in one direction, nothing holds the
+/// match along them: it follows their roughness, and is pulled back over every new wall, by some
+/// percent of the path. Each echo on a known wall gives information on one direction, the wall's
+/// normal, and on the turn by its lever arm. The match counts as far as this information reaches, and
+/// the wheels count for the rest (a weighted least-squares solution, as in Censi, An accurate
+/// closed-form estimate of ICP's covariance, ICRA 2007, <https://doi.org/10.1109/ROBOT.2007.363961>).
 pub(super) fn fuse(walls: &[WallPiece], expected: Pose, matched: Pose, drift: Drift) -> Pose {
     let known = information(walls, matched);
     let shift = matched.position - expected.position;
@@ -76,7 +76,7 @@ pub(super) fn fuse(walls: &[WallPiece], expected: Pose, matched: Pose, drift: Dr
     }
 }
 
-/// The information on a pose from echoes on known walls.
+/// Returns the information on a pose from echoes on known walls.
 fn information(walls: &[WallPiece], pose: Pose) -> DMat3 {
     let heading = unit_vector(pose.heading);
     let weight = 1.0 / (WALL_DEVIATION * WALL_DEVIATION);
@@ -93,7 +93,8 @@ fn information(walls: &[WallPiece], pose: Pose) -> DMat3 {
     known
 }
 
-/// The direction along which walls hold nothing, in the robot's frame: where all are parallel.
+/// The direction in the robot's frame in which walls give no information, because all of them are
+/// parallel to it.
 fn bare_direction(walls: &[WallPiece]) -> Option<DVec2> {
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     for (_, normal) in walls {
@@ -103,7 +104,7 @@ fn bare_direction(walls: &[WallPiece]) -> Option<DVec2> {
     }
     let larger = larger_eigenvalue(xx, xy, yy);
     let smaller = xx + yy - larger;
-    // The eigenvector of the larger one, from the row that is better conditioned.
+    // The eigenvector of the larger eigenvalue, from the better conditioned row.
     let held = if xx >= yy { DVec2::new(larger - yy, xy) } else { DVec2::new(xy, larger - xx) };
     let held = held.try_normalize()?;
     (smaller < ROUGHNESS * larger).then(|| held.perp())

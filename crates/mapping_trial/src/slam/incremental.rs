@@ -1,4 +1,4 @@
-//! Estimators that never change what is already in the map: the wheels alone, and scan to map.
+//! Estimators that never change what is already in the map: dead reckoning and scan-to-map matching.
 
 use envgen::geometry::Pose;
 
@@ -10,31 +10,32 @@ use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;
 
-/// Draws each keyframe's scan at its estimated pose, for good; with or without matching it
-/// before. See [`DeadReckoning`] and [`ScanToMap`].
+/// Draws each keyframe's scan permanently at its estimated pose, with or without scan matching. See
+/// [`DeadReckoning`] and [`ScanToMap`].
 #[derive(Clone, Debug)]
 pub struct Incremental<const MATCHING: bool> {
     mapper: Mapper,
 }
 
-/// Dead reckoning, the baseline: poses from the wheels alone; scans are drawn at those poses.
+/// Dead reckoning, the baseline: poses come from the wheels alone, and scans are drawn at these poses.
 pub type DeadReckoning = Incremental<false>;
 
-/// Scan to map, what robots did in 2011, without closing loops.
+/// Scan-to-map matching without loop closing, as robots did in 2011.
 ///
 /// Each keyframe's scan is matched against all earlier echoes, within the error that the wheels may
-/// have made since walls last held the pose: old walls that come into sight again are found again.
-/// The map is never corrected: an error in it stays, so that loops cost as much as they cost the
+/// have made since walls last held the pose. Old walls that come into sight again are therefore found
+/// again. The map is never corrected: an error in it stays, so that loops cost as much as they cost the
+/// robots of that time.
 /// robots of the time.
 pub type ScanToMap = Incremental<true>;
 
 impl<const MATCHING: bool> Incremental<MATCHING> {
-    /// For robots at the poses `starts`.
+    /// Creates an estimator for robots at the poses `starts`.
     pub fn new(starts: &[Pose], robot: &Robot, laser: &LaserProfile) -> Self {
         Incremental { mapper: Mapper::new(starts, robot, laser, MATCHING) }
     }
 
-    /// With other errors of the wheels to be learned; without matching none is.
+    /// Sets the errors of the wheels that it learns. Without matching, it learns none.
     pub fn with_calibration(mut self, calibration: WheelCalibration) -> Self {
         self.mapper.calibrate(calibration);
         self

@@ -7,28 +7,29 @@ use crate::map::{RESOLUTION, floor};
 /// Standard deviation in metres of the Gaussian around each echo.
 pub const SIGMA: f64 = 0.07;
 
-/// Cells that the Gaussian reaches from the cell of its echo: three standard deviations.
+/// Number of cells that the Gaussian reaches from the cell of its echo: three standard deviations.
 const REACH: i32 = 4;
 
-/// Positions within a cell, along each axis, for which the Gaussian is tabulated.
+/// Number of positions within a cell, along each axis, for which the Gaussian is tabulated.
 const PLACES: i32 = 8;
 
 /// Greatest number of cells along a side of a field: 205 m.
 const MOST_CELLS: i32 = 4096;
 
-/// Cells that a field grows by beyond what is needed.
+/// Number of cells by which a field grows beyond what is needed.
 const SPARE: i32 = 256;
 
-/// The likelihood of an echo, cell by cell, with max-pooled levels that bound it from above over
-/// blocks of cells (Olson, Real-Time Correlative Scan Matching, ICRA 2009,
+/// A likelihood field: the likelihood of an echo, cell by cell, with max-pooled levels that bound it
+/// from above over blocks of cells (Olson, Real-Time Correlative Scan Matching, ICRA 2009,
 /// <https://doi.org/10.1109/ROBOT.2009.5152375>).
 ///
-/// Each echo stamps a Gaussian of [`SIGMA`]; where several overlap the greatest counts. The level of
-/// block b holds at each cell the greatest likelihood within the b x b cells from it upwards and
-/// to the right; it is stamped too, with pooled Gaussians, so that it is always up to date.
+/// Each echo stamps a Gaussian of [`SIGMA`]; where several overlap, the greatest value counts. Each
+/// cell of the level with blocks of b cells holds the greatest likelihood within the b x b cells from
+/// it upwards and to the right. Levels are stamped, too, with pooled Gaussians, so that they are always
+/// up to date.
 ///
-/// Likelihoods are in 1/255. A field covers a rectangle of at most 205 m that follows the positions
-/// it is asked to cover.
+/// Likelihoods are in 1/255. A field covers a rectangle of at most 205 m, which follows the positions
+/// that it is asked to cover.
 ///
 /// ```
 /// use envgen::glam::DVec2;
@@ -57,8 +58,8 @@ struct Level {
     cells: Vec<u8>,
 }
 
-/// The Gaussians of a level, for each position of the echo within its cell, in rows of 16 bytes that
-/// are combined at once.
+/// The Gaussians of a level, for each position of the echo within its cell. Their rows consist of
+/// pieces of 16 bytes, which are combined at once.
 #[derive(Clone, Debug)]
 struct Stamps {
     /// Rows of one Gaussian.
@@ -107,8 +108,8 @@ fn pooled(block: i32, x: (i32, i32), y: (i32, i32)) -> u8 {
 }
 
 impl LikelihoodField {
-    /// An empty field with pooled levels of the given blocks, the first of which must be 1.
-    /// Blocks are cut to 1..=64 cells.
+    /// Creates an empty field with pooled levels of the given blocks, of which the first must be 1.
+    /// Blocks are clamped to 1..=64 cells.
     pub fn new(blocks: &[i32]) -> Self {
         let level = |&block: &i32| {
             let block = block.clamp(1, 64);
@@ -118,28 +119,28 @@ impl LikelihoodField {
         LikelihoodField { origin: IVec2::ZERO, cols: 0, rows: 0, levels }
     }
 
-    /// The blocks of the levels, in order.
+    /// Returns the blocks of the levels, in order.
     pub fn blocks(&self) -> impl ExactSizeIterator<Item = i32> + '_ {
         self.levels.iter().map(|level| level.block)
     }
 
-    /// The cell at the lower left corner of the covered rectangle; cell (0, 0) has its lower left corner
-    /// at the frame's origin.
+    /// Returns the cell at the lower left corner of the covered rectangle. Cell (0, 0) has its lower
+    /// left corner at the frame's origin.
     pub fn origin(&self) -> IVec2 {
         self.origin
     }
 
-    /// Cells in a row.
+    /// Returns the number of cells in a row.
     pub fn cols(&self) -> usize {
         self.cols as usize
     }
 
-    /// The cells of a level, row by row from below, in 1/255.
+    /// Returns the cells of a level, row by row from below, in 1/255.
     pub fn cells(&self, level: usize) -> &[u8] {
         &self.levels[level].cells
     }
 
-    /// The likelihood at a point in 1/255, 0 outside of the field.
+    /// Returns the likelihood at a point in 1/255, which is 0 outside of the field.
     pub fn at(&self, p: DVec2) -> u8 {
         let cell = floor(p * (1.0 / RESOLUTION));
         let local = cell.saturating_sub(self.origin);
@@ -148,17 +149,17 @@ impl LikelihoodField {
         level.map_or(0, |level| level.cells[(local.y * self.cols + local.x) as usize])
     }
 
-    /// Makes the field cover a square of half side `radius` metres around a point, with room for
-    /// stamps and blocks. Earlier stamps are kept if possible; returns false if the field had
-    /// to be emptied, because it would have grown beyond its limit.
+    /// Makes the field cover a square of half side `radius` metres around a point, with space for
+    /// stamps and blocks.
     ///
-    /// Squares of more than about 90 m half side are cut.
+    /// Earlier stamps are kept if possible. Returns false if the field had to be emptied, because it
+    /// would have grown beyond its limit. Squares of more than about 90 m half side are cut.
     pub fn cover(&mut self, centre: DVec2, radius: f64) -> bool {
         let largest = self.levels.iter().map(|level| level.block).max().unwrap_or(1);
         let margin = REACH + largest + 32;
         let half = ((radius / RESOLUTION).ceil().min(f64::from(MOST_CELLS / 2 - 256)) as i32)
             .saturating_add(margin);
-        // Far from the limits of the cells' numbers, whatever the point.
+        // Limits cells to numbers far from overflow, whatever the point.
         let middle =
             (centre / RESOLUTION).floor().clamp(DVec2::splat(-1e9), DVec2::splat(1e9)).as_ivec2();
         let (low, high) = (middle - half, middle + half + 1);
@@ -225,8 +226,9 @@ impl LikelihoodField {
             for row in stamp.chunks_exact(stamps.pieces) {
                 let (cells, _) = level.cells[start..start + wide as usize].as_chunks_mut::<16>();
                 for (cells, values) in cells.iter_mut().zip(row) {
-                    // Of copies, which cannot overlap: one instruction for all 16. In builds of several codegen units
-                    // `array::from_fn` and its closure are not inlined.
+                    // Works on copies, which cannot overlap, so that one instruction does all 16. In
+                    // builds with several codegen units `array::from_fn` and its closure are not
+                    // inlined.
                     let (mut greater, values) = (*cells, *values);
                     for i in 0..16 {
                         greater[i] = greater[i].max(values[i]);

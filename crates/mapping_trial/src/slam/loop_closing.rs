@@ -1,4 +1,4 @@
-//! Loop closing: keyframes that see a place from long before.
+//! Loop closing: finds keyframes that see a place from long before.
 
 use std::f64::consts::PI;
 
@@ -11,25 +11,26 @@ use super::pose_graph_solver::{Relation, held_by_walls};
 use super::sweep::FEWEST_ECHOES;
 use super::walls::{WALL_VARIANCE, WallPiece, walls};
 
-/// Least path length in metres since a place was seen for it to count as an old one.
+/// Least path length in metres since a place was seen for it to count as old.
 const OLDER: f64 = 10.0;
 
-/// Distance in metres within which an old place is searched: this much, and so much per
-/// metre of path since, up to the window that is searched.
+/// Distance in metres within which old places are searched: a constant, and a term per metre of path
+/// since then, up to the window that is searched.
 const NEAR: (f64, f64) = (3.0, 0.02);
 
-/// Largest difference of headings of two keyframes that see enough of the same, as a share of the
+/// Greatest difference of headings of two keyframes that see enough of the same, as a fraction of the
 /// laser's field of view: two thirds of what they see is common.
 const COMMON_VIEW: f64 = 1.0 / 3.0;
 
-/// Field of view in radians from which two keyframes see that much of the same whatever their headings.
+/// Field of view in radians from which two keyframes see that much of the same, whatever their
+/// headings.
 const ALL_AROUND: f64 = 1.5 * PI;
 
-/// Metres that count as one radian between the headings of two keyframes, in choosing the old
-/// keyframe that sees the most of the same.
+/// Distance in metres that counts as much as one radian between headings, in the choice of the old
+/// keyframe that sees most of the same.
 const TURN_COUNTS: f64 = 0.5;
 
-/// Keyframes in the local map of an old place.
+/// Number of keyframes in the local map of an old place.
 const CHAIN: usize = 10;
 
 /// Half the side of the window in metres, and the largest difference of headings, in which a scan is
@@ -39,8 +40,7 @@ const REACH: (f64, f64) = (4.0, 20.0 * PI / 180.0);
 /// Margin of the window, in metres and radians, in which no match is accepted.
 const EDGE: (f64, f64) = (0.1, 1.0 * PI / 180.0);
 
-/// Greatest distance of a match from the estimated pose: metres, and standard
-/// deviations.
+/// Greatest distance of a match from the estimated pose, in metres and in standard deviations.
 const CREDIBLE: (f64, f64) = (0.5, 4.0);
 
 /// Least standard deviation in metres with which an old place is expected.
@@ -53,20 +53,21 @@ const RESPONSE: f64 = 0.45;
 /// radians, in which a scan that fits almost as well shows that there is no error to correct.
 const HERE: (f64, f64) = (0.6, 4.0 * PI / 180.0);
 
-/// Distance in metres of a match from the estimated pose up to which nothing is wrong.
+/// Greatest distance in metres of a match from the estimated pose for which nothing is to be corrected.
 const NO_SHIFT: f64 = 0.1;
 
-/// Distance in metres from the best match at which another place may look like it.
+/// Distance in metres from the best match from which another place may look like it.
 const ELSEWHERE: f64 = 0.6;
 
-/// By how much the mean likelihood of the best match has to exceed that of another place.
+/// How much the mean likelihood of the best match has to exceed that of another place.
 const DISTINCT: f64 = 0.1;
 
 /// Least number of matches in a row that have to agree, and the path length in metres that they have to
-/// span: places that look alike from one position differ from the next.
+/// span. Places that look alike from one position differ from the next.
 const AGREEING: (usize, f64) = (3, 1.0);
 
-/// Distance in metres and difference of headings in radians up to which two matches in a row agree.
+/// Greatest distance in metres, and greatest difference of headings in radians, of two matches in a row
+/// that agree.
 const AGREEMENT: (f64, f64) = (0.2, 3.0 * PI / 180.0);
 
 /// Path length in metres from one attempt to the next, and from a closed loop to the next attempt.
@@ -88,7 +89,7 @@ pub(crate) struct LoopCloser {
 /// The state of the search for one robot.
 #[derive(Clone, Debug, Default)]
 struct Progress {
-    /// Its keyframes.
+    /// The keyframes of this robot.
     chain: Vec<usize>,
     /// Path length at which the next attempt is due.
     due: f64,
@@ -101,7 +102,7 @@ struct Progress {
 struct Seen {
     keyframe: usize,
     old: usize,
-    /// Its pose as seen from the old one: another robot's loop may move both.
+    /// Its pose relative to the old one, since another robot's loop may move both.
     measured: Pose,
     walls: Vec<WallPiece>,
 }
@@ -109,7 +110,7 @@ struct Seen {
 /// A closed loop.
 #[derive(Clone, Debug)]
 pub(crate) struct Closed {
-    /// Two keyframes as seen from the old place, the newer last.
+    /// Two keyframes relative to the old place, the newer last.
     pub(crate) relations: [Relation; 2],
     /// The walls that hold the newer one.
     pub(crate) walls: Vec<WallPiece>,
@@ -129,8 +130,8 @@ impl LoopCloser {
         }
     }
 
-    /// Takes the newest keyframe. Several in a row that are found at an old place, in agreement, give
-    /// the relations of a closed loop: of the first and the last of them.
+    /// Processes the newest keyframe. If several in a row are found at an old place, in agreement, the
+    /// first and the last of them give the relations of a closed loop.
     pub(crate) fn take(&mut self, keyframes: &[Keyframe]) -> Option<Closed> {
         let newest = keyframes.len().checked_sub(1)?;
         let Keyframe { robot, path, .. } = keyframes[newest];
@@ -165,7 +166,7 @@ impl LoopCloser {
         Some(Closed { relations, walls: last.walls.clone() })
     }
 
-    /// The old keyframe that sees most of what a new one sees, by its position and heading.
+    /// Returns the old keyframe that sees most of what a new one sees, by its position and heading.
     fn old_place(&self, keyframes: &[Keyframe], newest: usize) -> Option<usize> {
         let new = &keyframes[newest];
         let mut best = None;
@@ -215,7 +216,7 @@ impl LoopCloser {
             stamp(&mut self.field, keyframes[i].pose, &keyframes[i].sweep.echoes);
         }
         let found = self.matcher.find(&self.field, &new.sweep.echoes, window)?;
-        // The best match at the window's edge does not count: it is better still outside. Nor does one
+        // A match at the window's edge does not count, since the best one may be outside. Nor does one
         // that is farther off than the robot can be: places look alike.
         let shift = found.pose.position - new.pose.position;
         let turn = wrap_angle(found.pose.heading - new.pose.heading).abs();
@@ -248,7 +249,8 @@ fn agree(keyframes: &[Keyframe], a: &Seen, b: &Seen) -> bool {
         && wrap_angle(went.heading - found.heading).abs() <= AGREEMENT.1
 }
 
-/// The information of a match: much across the walls that the scan saw, none along a bare corridor.
+/// The relation of a match: much information across the walls that the scan saw, none along a bare
+/// corridor.
 fn relation(seen: &Seen) -> Relation {
     Relation {
         from: seen.old,

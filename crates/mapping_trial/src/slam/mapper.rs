@@ -1,5 +1,5 @@
-//! What the mapping estimators share: keyframes, each matched against all earlier ones and added to
-//! the map.
+//! The mapper that all estimators share: it takes keyframes, matches each of them against all earlier
+//! ones, and adds them to the map.
 
 use envgen::geometry::{Pose, wrap_angle};
 use glam::Vec2;
@@ -21,55 +21,56 @@ use crate::robot::Robot;
 /// Levels of the field that scans are matched against.
 const BLOCKS: [i32; 2] = [1, 4];
 
-/// Standard deviation of the expected position: metres, and metres per metre of path.
+/// Standard deviation of the expected position in metres: a constant, and a term per metre of path.
 const EXPECTED_POSITION: (f64, f64) = (0.03, 0.05);
 
-/// Standard deviation of the expected heading: radians, and radians per radian of turning.
+/// Standard deviation of the expected heading in radians: a constant, and a term per radian of turning.
 const EXPECTED_HEADING: (f64, f64) = (0.01, 0.06);
 
-/// Largest standard deviations that are searched, in metres and radians: bounds the work.
+/// Greatest standard deviations that are searched, in metres and radians. They bound the work.
 const WIDEST: (f64, f64) = (0.5, 0.3);
 
-/// Mean likelihood from which a scan fits at the expected pose, and by how much it has to fit better
-/// elsewhere: in known surroundings a keyframe has less than a tenth of new walls.
+/// Mean likelihood from which a scan fits at the expected pose, and the least improvement that a pose
+/// elsewhere needs. In known surroundings less than a tenth of a keyframe's walls are new.
 const FITS: f64 = 0.8;
 const BETTER: f64 = 0.15;
 
-/// Mean likelihood that a match elsewhere has to reach: of echoes of something new up to a quarter fall on what is known
-/// somewhere.
+/// Mean likelihood that a match elsewhere has to reach. Up to a quarter of the echoes of something new
+/// fall on known walls somewhere.
 const FOUND_AGAIN: f64 = 0.3;
 
-/// Least path length in metres to an older keyframe by which a place counts as known from before.
+/// Least path length in metres to an older keyframe for a place to count as known from before.
 const OLDER: f64 = 10.0;
 
 /// Distance in metres, and difference of headings in radians, within which a keyframe sees the
 /// same place as another.
 const SAME_PLACE: (f64, f64) = (1.5, 1.0);
 
-/// Fewest walls of a scan, and least shares of those around which the map has a wall and of all, that lie
-/// on walls of the map where the scan's pose is right. A turned scan meets other walls.
+/// Conditions for a scan's pose to be right: the least number of its walls, the least fraction of those
+/// near walls of the map that lie on them, and the least fraction of all its walls that do. A turned
+/// scan meets other walls.
 const RIGHT_WALLS: usize = 20;
 const RIGHT_OF_KNOWN: f64 = 0.9;
 const RIGHT_OF_ALL: f64 = 0.2;
 
-/// Share of all of a scan's walls from which no match is needed.
+/// Fraction of a scan's walls on the map from which no match is needed.
 const CERTAIN: f64 = 0.8;
 
-/// Echoes as near as this to the body of another robot are its own: metres, and the most that the deviation of its
-/// position adds.
+/// Echoes as near as this to the body of another robot belong to it: a distance in metres, and the most
+/// that the deviation of its position adds.
 const TEAMMATE: (f64, f64) = (0.1, 0.3);
 
-/// Of each scan every so many echoes are compared with the map.
+/// One in this many echoes of a scan is compared with the map.
 const ECHO_STEP: usize = 4;
 
 /// A scan in the map.
 #[derive(Clone, Debug)]
 pub(crate) struct Keyframe {
     pub(crate) robot: usize,
-    /// Whether it is its robot's first, whose pose is known.
+    /// Whether it is its robot's first keyframe, whose pose is known.
     pub(crate) is_first: bool,
     pub(crate) pose: Pose,
-    /// Path length in metres of the robot when it was taken.
+    /// The robot's path length in metres when it was taken.
     pub(crate) path: f64,
     pub(crate) sweep: Sweep,
     pub(crate) variance: Variance,
@@ -81,7 +82,7 @@ pub(crate) struct Added {
     pub(crate) keyframe: usize,
     /// The robot's keyframe before; `None` for its first.
     pub(crate) before: Option<usize>,
-    /// Variance of the motion since then, before a scan was matched.
+    /// Variance of the motion since then, before scan matching.
     pub(crate) motion: Variance,
     /// The walls that hold the pose; empty without a match.
     pub(crate) walls: Vec<WallPiece>,
@@ -102,9 +103,9 @@ pub(crate) struct Mapper {
     pub(crate) map: OccupancyMap,
     pub(crate) keyframes: Vec<Keyframe>,
     pub(crate) tracks: Vec<PoseTrack>,
-    /// The drift of each robot's last keyframe against the map.
+    /// The drift of each robot's last keyframe relative to the map.
     drifts: Vec<Drift>,
-    /// What is known of each robot's wheels; without matching nothing is.
+    /// What is known of each robot's wheels. Without matching, nothing is.
     wheels: Vec<WheelScales>,
 }
 
@@ -131,13 +132,13 @@ impl Mapper {
         }
     }
 
-    /// Learns other errors of the wheels, from now on.
+    /// Changes which errors of the wheels are learned, from now on.
     pub(crate) fn calibrate(&mut self, calibration: WheelCalibration) {
         self.wheels.fill(WheelScales::new(calibration));
     }
 
-    /// Takes a tick's measurements of one robot; returns a new keyframe, if there is one. Unknown robots
-    /// are ignored.
+    /// Processes a tick's measurements of one robot, and returns a new keyframe if there is one.
+    /// Unknown robots are ignored.
     pub(crate) fn step(
         &mut self,
         robot: usize,
@@ -151,7 +152,8 @@ impl Mapper {
         added
     }
 
-    /// Corrects a robot's pose by a scan; where it has driven far enough, the scan is a keyframe.
+    /// Corrects a robot's pose by a scan. If the robot has driven far enough, the scan becomes a
+    /// keyframe.
     fn see(&mut self, robot: usize, scan: &Scan) -> Option<Added> {
         let (is_due, matches) = (self.tracks[robot].is_keyframe_due(), self.field.is_some());
         if !is_due && !matches {
@@ -165,7 +167,8 @@ impl Mapper {
         if is_due { self.add(robot, sweep, &walls, is_certain) } else { None }
     }
 
-    /// Drops the echoes of other robots: one that does not move would be walled in by what others see of it.
+    /// Drops the echoes of other robots. Otherwise a robot at rest would be walled in on the map by
+    /// what others see of it.
     fn drop_teammates(&self, robot: usize, sweep: &mut Sweep) {
         let others = (0..self.tracks.len()).filter(|&other| other != robot);
         let to_robot = self.estimate(robot).pose.world_to_local();
@@ -182,8 +185,8 @@ impl Mapper {
         }
     }
 
-    /// Moves a robot's pose to where the walls that it sees are on the map, if they are; returns whether
-    /// that is certain enough to go without a match.
+    /// Moves a robot's pose to where the walls that it sees lie on those of the map, if they do.
+    /// Returns whether the pose is certain enough to do without a match.
     fn localise(&mut self, robot: usize, walls: &[WallPoint]) -> bool {
         let track = &mut self.tracks[robot];
         let Some(keyframe) = track.keyframe else { return false };
@@ -222,8 +225,9 @@ impl Mapper {
         track.poses(|keyframe| self.keyframes[keyframe].pose)
     }
 
-    /// Moves all keyframes to new poses and draws the map again, if `accepts` the poses before and the mapper with the
-    /// new map; otherwise all is as before. Returns whether it did.
+    /// Moves all keyframes to new poses and draws the map again. Undoes this unless `accepts` agrees,
+    /// which gets the poses before and the mapper with the new map. Returns whether the poses were
+    /// accepted.
     pub(crate) fn place_if(
         &mut self,
         poses: Vec<Pose>,
@@ -242,7 +246,7 @@ impl Mapper {
         is_accepted
     }
 
-    /// Moves all keyframes; returns the poses before.
+    /// Moves all keyframes, and returns their poses before.
     fn set_poses(&mut self, poses: Vec<Pose>) -> Vec<Pose> {
         let moves = self.keyframes.iter_mut().zip(poses);
         moves.map(|(keyframe, pose)| std::mem::replace(&mut keyframe.pose, pose)).collect()
@@ -256,7 +260,7 @@ impl Mapper {
         }
     }
 
-    /// Draws what scans are matched against again from all keyframes.
+    /// Draws the field and the surfels that scans are matched against again from all keyframes.
     fn draw_field(&mut self) {
         let Some(field) = &mut self.field else { return };
         field.clear();
@@ -269,8 +273,8 @@ impl Mapper {
         }
     }
 
-    /// The share of the echoes of all keyframes that lie on ground that the map shows as free: scans
-    /// that contradict each other.
+    /// The fraction of the echoes of all keyframes that lie on ground that the map shows as free. It
+    /// measures how much scans contradict each other.
     pub(crate) fn contradiction(&self) -> f64 {
         let (mut free, mut all) = (0_u64, 0_u64);
         for keyframe in &self.keyframes {
@@ -284,7 +288,7 @@ impl Mapper {
         free as f64 / all.max(1) as f64
     }
 
-    /// Adds a keyframe where the robot is, after a scan there was matched.
+    /// Adds a keyframe at the robot's pose, after its scan is matched there.
     fn add(
         &mut self,
         robot: usize,
@@ -296,7 +300,7 @@ impl Mapper {
         let expected = track.pose(|keyframe| self.keyframes[keyframe].pose);
         let (before, distance, turned, path) =
             (track.keyframe, track.distance, track.turned, track.total);
-        // Far out nothing can be drawn; a scan without a ray has no information.
+        // Far out nothing can be drawn, and a scan without a ray has no information.
         if !is_near(expected.position) || (sweep.echoes.is_empty() && sweep.clear.is_empty()) {
             return None;
         }
@@ -349,13 +353,13 @@ impl Mapper {
         Some(Added { keyframe, before, motion, walls })
     }
 
-    /// The pose at which a scan fits the field best, and whether that is farther off than the last
-    /// step alone can explain.
+    /// Returns the pose at which a scan fits the field best, and whether that is farther off than the
+    /// last step alone can explain.
     ///
-    /// If walls were out of sight, or parallel, more than the last step may be wrong. A
-    /// scan that does not fit near the expected pose is then searched as far as the drift reaches;
-    /// a match there has to fit clearly better, since a scan of new walls always fits a little
-    /// better where it is pulled back over old ones.
+    /// If walls were out of sight or parallel, more than the last step may be wrong. A scan that does
+    /// not fit near the expected pose is then searched as far as the drift reaches. A match there has
+    /// to fit clearly better, since a scan of new walls always fits a little better where it is pulled
+    /// back over old ones.
     fn match_scan(
         &mut self,
         expected: Pose,
@@ -390,8 +394,8 @@ impl Mapper {
         Some((near.pose, false))
     }
 
-    /// The variance of a new keyframe's pose: that of the one before it and the step, or that of an
-    /// older one that sees the same place.
+    /// The variance of a new keyframe's pose: that of the previous keyframe and the step, or that of an
+    /// older keyframe that sees the same place.
     fn variance(
         &self,
         before: usize,
@@ -431,15 +435,16 @@ fn is_open(map: &OccupancyMap, cell: CellIndex) -> bool {
         })
 }
 
-/// Draws a keyframe; a robot's first twice, since a single pass makes no cell free, and robots
-/// without any free cell stay where they are.
+/// Draws a keyframe. The first keyframe of a robot is drawn twice, since a single pass makes no cell
+/// free, and a robot without any free cell would not move.
 fn draw(painter: &mut ScanInserter, map: &mut OccupancyMap, laser: Pose, keyframe: &Keyframe) {
     for _ in 0..if keyframe.is_first { 2 } else { 1 } {
         painter.draw(map, keyframe.pose, laser, &keyframe.sweep);
     }
 }
 
-/// Makes a field cover a position; if it has to be moved, the keyframes around are stamped again.
+/// Makes a field cover a position. If the field has to be moved, the keyframes around are stamped
+/// again.
 fn cover(field: &mut LikelihoodField, keyframes: &[Keyframe], centre: Pose, radius: f64) {
     if !field.cover(centre.position, radius) {
         for keyframe in keyframes {
@@ -448,11 +453,11 @@ fn cover(field: &mut LikelihoodField, keyframes: &[Keyframe], centre: Pose, radi
     }
 }
 
-/// Length in metres of the pieces in which a wall between two echoes is stamped.
+/// Length in metres of the pieces by which a wall between two echoes is stamped.
 const STAMP: f64 = RESOLUTION;
 
-/// Stamps echoes that were measured from a pose, and the walls between them: far echoes alone are a
-/// row of dots, to which the next scan's dots would be pulled.
+/// Stamps echoes that were measured from a pose, and the walls between them. Distant echoes alone would
+/// be a row of dots, to which those of the next scan would be pulled.
 pub(crate) fn stamp(field: &mut LikelihoodField, pose: Pose, echoes: &[Vec2]) {
     let on_map = pose.local_to_world();
     let place = |p: &Vec2| on_map(p.as_dvec2());

@@ -1,6 +1,6 @@
 //! Correlative scan matching (Olson, Real-Time Correlative Scan Matching, ICRA 2009,
-//! <https://doi.org/10.1109/ROBOT.2009.5152375>): the pose near an expected one at which a scan fits a likelihood field
-//! best.
+//! <https://doi.org/10.1109/ROBOT.2009.5152375>): finds the pose near an expected one at which a scan
+//! fits a likelihood field best.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DVec2, IVec2, Vec2};
@@ -16,20 +16,20 @@ const FINE_BITS: u32 = FINE.trailing_zeros();
 /// A fine step of the heading: 0.06 degrees.
 pub const FINE_ANGLE: f64 = 0.06 * std::f64::consts::PI / 180.0;
 
-/// Fine steps of the heading in a coarse one.
+/// Number of fine steps of the heading in a coarse one.
 const COARSE_ANGLE: i32 = 8;
 
 /// Steps of the refinement: in 1/16 cells, and in fine angles.
 const REFINEMENT: [(i32, i32); 4] = [(8, 4), (4, 2), (2, 1), (1, 1)];
 
-/// Weight of the squared deviation from the expected pose, in likelihood.
+/// Weight of the squared deviation from the expected pose, in units of likelihood.
 const PRIOR_WEIGHT: f64 = 0.002;
 
-/// Shifts of the refinement: none, along an axis, along both.
+/// Shifts that the refinement tries: none, along an axis, along both.
 const NEIGHBOURS: [(i32, i32); 9] =
     [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
 
-/// The most cells of a window on each side of its middle.
+/// Greatest number of cells of a window on each side of its middle.
 const MOST_STEPS: f64 = 1e3;
 
 /// Greatest number of moves of the refinement at each step size.
@@ -98,7 +98,7 @@ struct CellBlock {
     y: i32,
 }
 
-/// Matches scans; it keeps its memory from scan to scan.
+/// A scan matcher, which reuses its memory from scan to scan.
 #[derive(Clone, Debug, Default)]
 pub struct Matcher {
     /// Index in the field of each echo at each heading, heading by heading.
@@ -115,9 +115,9 @@ struct LatticeSearch<'a> {
     places: &'a [u32],
     echoes: usize,
     window: Window,
-    /// Whole cells that are searched on each side of the expected pose.
+    /// Number of whole cells that are searched on each side of the expected pose.
     cells: i32,
-    /// Coarse headings likewise.
+    /// Number of coarse headings that are searched on each side of the expected one.
     turns: i32,
     /// A cell, and the cells around it to each side that are left out.
     excluded: Option<(IVec2, i32)>,
@@ -126,18 +126,19 @@ struct LatticeSearch<'a> {
 }
 
 impl Matcher {
-    /// A matcher.
+    /// Creates a matcher.
     pub fn new() -> Self {
         Matcher::default()
     }
 
-    /// Finds the pose where the echoes of a scan, in metres in the robot's frame, fit best. First the
-    /// best pose of a lattice of whole cells and headings 0.48 degrees apart is found, exactly, by
-    /// branch and bound on the pooled levels; from there the interpolated likelihood is climbed in
-    /// halved steps down to 3 mm and 0.06 degrees.
+    /// Finds the pose where the echoes of a scan, in metres in the robot's frame, fit best.
     ///
-    /// The field must cover the scan at every pose of the window; see
-    /// [`Matcher::radius`]. `None` without an echo, or if it does not.
+    /// First it finds the best pose of a lattice of whole cells and headings 0.48 degrees apart,
+    /// exactly, by branch and bound on the pooled levels. From there it climbs the interpolated
+    /// likelihood in halved steps down to 3 mm and 0.06 degrees.
+    ///
+    /// The field must cover the scan at every pose of the window; see [`Matcher::radius`]. Returns
+    /// `None` if it does not, or if there is no echo.
     pub fn find(
         &mut self,
         field: &LikelihoodField,
@@ -148,8 +149,8 @@ impl Matcher {
         Some(self.refine(field, echoes, window, coarse))
     }
 
-    /// The mean likelihood of the best pose of the lattice that is at least so many metres from a
-    /// position, in x or in y: a place that looks almost as much like the scan.
+    /// Returns the mean likelihood of the best pose of the lattice that is at least so many metres from
+    /// a position, in x or in y: of a place that looks almost as much like the scan.
     pub(crate) fn rival(
         &mut self,
         field: &LikelihoodField,
@@ -189,14 +190,14 @@ impl Matcher {
         Match { pose: pose_at(window.centre, step), response, score }
     }
 
-    /// Half the side in metres of the square around a window's centre that a field has to cover,
-    /// for a scan that reaches `scan` metres from the robot.
+    /// Returns half the side in metres of the square around a window's centre that a field has to
+    /// cover, for a scan that reaches `scan` metres from the robot.
     pub fn radius(scan: f64, window: &Window) -> f64 {
         scan + window.reach + 2.0 * RESOLUTION
     }
 
-    /// The best step of the coarse lattice, as far from a position as `apart` says; `None` without an
-    /// echo, if the field does not cover the scan, or if no step is that far.
+    /// Returns the best step of the coarse lattice that is as far from a position as `apart` says;
+    /// `None` without an echo, if the field does not cover the scan, or if no step is that far.
     fn coarse(
         &mut self,
         field: &LikelihoodField,
@@ -418,8 +419,8 @@ fn pose_at(centre: Pose, step: Step) -> Pose {
     }
 }
 
-/// Echoes at a heading some fine steps from the expected one, in fine steps from the field's
-/// corner.
+/// Computes the echoes, at a heading some fine steps from the expected one, in fine steps from the
+/// field's corner.
 fn turn_into(
     places: &mut Vec<(i32, i32)>,
     field: &LikelihoodField,

@@ -1,16 +1,19 @@
-//! Simultaneous localisation and mapping: from the robots' measurements to their poses and the
-//! map.
+//! Simultaneous localisation and mapping, which estimates the robots' poses and the map from their
+//! measurements.
 //!
-//! | estimator | poses | map error left by a loop |
+//! | Estimator | Poses | Map error left by a loop |
 //! |---|---|---|
-//! | [`DeadReckoning`] | the wheels alone | all drift of the wheels |
-//! | [`ScanToMap`] | each scan, matched against all earlier keyframes | the drift along the loop |
-//! | [`PoseGraph`] | the same, and old places that are found again | little |
+//! | [`DeadReckoning`] | from the wheels alone | all drift of the wheels |
+//! | [`ScanToMap`] | from each scan, matched against all earlier keyframes | the drift along the loop |
+//! | [`PoseGraph`] | the same, with loop closing at old places that are found again | little |
 //!
-//! All of them take a keyframe every 0.3 m or 15 degrees and draw its scan into one
-//! [`OccupancyMap`](crate::map::OccupancyMap) that the robots share. In between poses come from the wheels;
-//! those that match scans also correct them by every scan of which most walls are on the map, and learn the
-//! systematic errors of the wheels where walls hold the pose: those that [`WheelCalibration`] names.
+//! All of them take a keyframe every 0.3 m or 15 degrees, and draw its scan into one
+//! [`OccupancyMap`](crate::map::OccupancyMap) that the robots share. Between keyframes, poses come from
+//! the wheels.
+//!
+//! Estimators that match scans do more. They also correct poses by every scan of which most walls are
+//! on the map. Where walls hold the pose, they learn those systematic errors of the wheels that
+//! [`WheelCalibration`] names.
 
 mod estimator;
 mod fusion;
@@ -46,7 +49,7 @@ use crate::robot::Robot;
 )]
 #[serde(rename_all = "snake_case")]
 pub enum SlamKind {
-    /// The wheels alone: [`DeadReckoning`].
+    /// Poses from the wheels alone: [`DeadReckoning`].
     DeadReckoning,
     /// Scan matching without loop closing: [`ScanToMap`].
     #[default]
@@ -60,8 +63,8 @@ impl SlamKind {
     pub const ALL: [SlamKind; 3] =
         [SlamKind::DeadReckoning, SlamKind::ScanToMap, SlamKind::PoseGraph];
 
-    /// An estimator for robots at the poses `starts`, with one kind of body and laser, which learns what
-    /// `calibration` says of their wheels.
+    /// Creates an estimator for robots at the poses `starts`, all with the same body and laser. It
+    /// learns those errors of the wheels that `calibration` names.
     ///
     /// ```
     /// use envgen::geometry::Pose;

@@ -1,10 +1,11 @@
-//! Poses after increments of odometry.
+//! Propagation of poses by increments of odometry.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 
 use crate::odometry::Increment;
 
-/// Greatest distance in metres and turn in radians of one increment; larger ones are cut.
+/// Greatest distance in metres and greatest turn in radians of one increment; larger values are
+/// clamped.
 const BELIEVED: f64 = 1e4;
 
 /// Greatest distance of a pose from the origin in metres; poses farther away are noise.
@@ -20,8 +21,7 @@ pub(crate) fn advance(pose: Pose, by: Increment) -> Pose {
     }
 }
 
-/// An increment without impossible values: NaN counts as no motion, and
-/// huge values are cut.
+/// Removes impossible values from an increment: NaN counts as no motion, and huge values are clamped.
 pub(crate) fn believable(increment: Increment) -> Increment {
     let part = |x: f64| if x.is_nan() { 0.0 } else { x.clamp(-BELIEVED, BELIEVED) };
     Increment { distance: part(increment.distance), turn: part(increment.turn) }

@@ -1,4 +1,4 @@
-//! Graph SLAM: the modern approach, which closes loops.
+//! Graph SLAM, which closes loops by optimising a pose graph.
 
 use envgen::geometry::Pose;
 
@@ -14,24 +14,26 @@ use crate::lidar::LaserProfile;
 use crate::map::{Estimate, OccupancyMap};
 use crate::robot::Robot;
 
-/// Error in standard deviations of a closed loop beyond which all poses are solved for again.
+/// Error of a closed loop, in standard deviations, beyond which all poses are optimised again.
 const WORTH_SOLVING: f64 = 1.0;
 
-/// Error in standard deviations that a loop may have after solving; otherwise it is rejected.
+/// Greatest error, in standard deviations, that a loop may have after the optimisation. Otherwise it is
+/// rejected.
 const INCREDIBLE: f64 = 5.0;
 
-/// When the map is drawn again, the share of the echoes that contradict it may be at most this factor of
-/// the share before: a true loop ends contradictions, a false one bends the map and leaves them. Where no
-/// pose moves by more than [`SMALL_MOVE`] less has to be shown.
+/// Limits on the fraction of echoes that contradict the map when it is drawn again, relative to the
+/// fraction before. A true loop resolves contradictions; a false one bends the map and leaves them.
+/// Where no pose moves by more than [`SMALL_MOVE`], a smaller improvement is enough.
 const LESS_CONTRADICTION: f64 = 0.5;
 const LESS_FOR_SMALL: f64 = 0.9;
 
-/// See [`LESS_FOR_SMALL`], in metres: places that look alike are farther apart.
+/// Distance in metres up to which [`LESS_FOR_SMALL`] applies. Places that look alike are farther apart.
 const SMALL_MOVE: f64 = 0.5;
 
-/// As [`super::ScanToMap`], but scans are also searched in places from long before. If several
-/// in a row are found there, the poses of all keyframes are solved for again, and the map is drawn again
-/// from them.
+/// Graph SLAM with loop closing.
+///
+/// It works as [`super::ScanToMap`], but also searches scans in places from long before. If several in
+/// a row are found there, it optimises the poses of all keyframes again and draws the map from them.
 #[derive(Clone, Debug)]
 pub struct PoseGraph {
     mapper: Mapper,
@@ -40,7 +42,7 @@ pub struct PoseGraph {
 }
 
 impl PoseGraph {
-    /// For robots at the poses `starts`.
+    /// Creates an estimator for robots at the poses `starts`.
     pub fn new(starts: &[Pose], robot: &Robot, laser: &LaserProfile) -> Self {
         PoseGraph {
             mapper: Mapper::new(starts, robot, laser, true),
@@ -49,7 +51,7 @@ impl PoseGraph {
         }
     }
 
-    /// With other errors of the wheels to be learned.
+    /// Sets the errors of the wheels that it learns.
     pub fn with_calibration(mut self, calibration: WheelCalibration) -> Self {
         self.mapper.calibrate(calibration);
         self
@@ -72,7 +74,7 @@ impl PoseGraph {
         if let Some(found) = self.closer.take(keyframes)
             && self.close(&found.relations)
         {
-            // A keyframe at an old place is as sure as that place.
+            // A keyframe at an old place is as certain as that place.
             let [.., last] = found.relations;
             let old = self.mapper.keyframes[last.from].variance;
             let unknown = Variance { position: 1.0, heading: 0.1 };
@@ -84,7 +86,7 @@ impl PoseGraph {
         }
     }
 
-    /// Adds the relations of a closed loop, unless the other relations or the scans contradict them.
+    /// Adds the relations of a closed loop, unless they contradict the other relations or the scans.
     fn close(&mut self, relations: &[Relation]) -> bool {
         let deviates = |poses: &[Pose], most: f64| {
             relations.iter().any(|relation| relation.deviations(poses) > most)

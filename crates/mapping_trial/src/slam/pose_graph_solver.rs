@@ -1,22 +1,22 @@
-//! Pose graphs: poses that satisfy measured relations between them best.
+//! Pose graphs: finds the poses that fit measured relations between them best.
 //!
-//! Least squares by Levenberg and Marquardt's method, with Huber's loss for relations that may be
-//! wrong (Grisetti, Kummerle, Stachniss, Burgard, A Tutorial on Graph-Based SLAM, 2010,
-//! <https://doi.org/10.1109/MITS.2010.939925>). The linear systems are solved directly: block by block, in the order of least degree, which leaves the long
-//! chains of a robot's path without fill.
+//! The method is least squares after Levenberg and Marquardt, with Huber's loss for relations that may
+//! be wrong (Grisetti, Kummerle, Stachniss, Burgard, A Tutorial on Graph-Based SLAM, 2010,
+//! <https://doi.org/10.1109/MITS.2010.939925>). The linear systems are solved directly, block by block
+//! in the order of least degree, which leaves the long chains of a robot's path without fill-in.
 
 use std::collections::BTreeSet;
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::{DMat3, DVec2, DVec3};
 
-/// Error of a robust relation, in standard deviations, up to which it counts in full.
+/// Greatest error of a robust relation, in standard deviations, that counts in full.
 const HUBER: f64 = 2.0;
 
 /// Greatest number of steps.
 const MOST_STEPS: usize = 30;
 
-/// Longest step in metres or radians at which the search ends.
+/// Greatest step in metres or radians at which the search ends.
 const SETTLED: f64 = 1e-5;
 
 /// A measured relation between two poses.
@@ -24,16 +24,16 @@ const SETTLED: f64 = 1e-5;
 pub(crate) struct Relation {
     pub(crate) from: usize,
     pub(crate) to: usize,
-    /// The pose `to` as seen from `from`.
+    /// The pose `to` relative to `from`.
     pub(crate) measured: Pose,
     /// Information about x, y (m^-2) and heading (rad^-2), in the frame of `from`.
     pub(crate) information: DMat3,
-    /// Whether it may be entirely wrong.
+    /// Whether it may be entirely wrong, so that its loss is robust.
     pub(crate) is_robust: bool,
 }
 
 impl Relation {
-    /// Deviation of two poses from what was measured.
+    /// Returns the deviation of two poses from what was measured.
     fn error(&self, poses: &[Pose]) -> DVec3 {
         let (a, b) = (poses[self.from], poses[self.to]);
         let seen = a.to_local(b.position);
@@ -64,7 +64,7 @@ pub(crate) fn cost(poses: &[Pose], relations: &[Relation]) -> f64 {
     relations.iter().map(|relation| relation.loss(relation.error(poses)).0).sum()
 }
 
-/// Moves all poses but the fixed ones to where the losses are least; returns whether the cost fell.
+/// Moves all poses except the fixed ones to where the losses are least. Returns whether the cost fell.
 /// Relations must refer to existing poses.
 pub(crate) fn solve(poses: &mut [Pose], fixed: &[bool], relations: &[Relation]) -> bool {
     let mut unknowns = 0;
@@ -144,7 +144,8 @@ impl System {
             let (from, to) = (poses[relation.from], poses[relation.to]);
             let axis = unit_vector(from.heading);
             let seen = from.to_local(to.position);
-            // Derivatives of the error by the pose `to`, and by `from`, whose turn moves what it sees.
+            // Derivatives of the error by the pose `to`, and by `from`, whose turn moves `to` relative
+            // to it.
             let by_to = DMat3::from_cols(
                 DVec3::new(axis.x, -axis.y, 0.0),
                 DVec3::new(axis.y, axis.x, 0.0),
@@ -179,7 +180,7 @@ impl System {
         }
     }
 
-    /// Raises the diagonal by a share of itself.
+    /// Increases the diagonal by a fraction of itself.
     fn damped(mut self, share: f64) -> Self {
         for block in &mut self.diagonal {
             let diagonal = DVec3::new(block.x_axis.x, block.y_axis.y, block.z_axis.z);
@@ -188,7 +189,7 @@ impl System {
         self
     }
 
-    /// The solution; `None` if it does not exist or its numbers are out of range.
+    /// Returns the solution; `None` if it does not exist or its numbers are out of range.
     fn eliminate(mut self) -> Option<Vec<DVec3>> {
         let count = self.diagonal.len();
         let mut queue: BTreeSet<(usize, usize)> =
@@ -229,13 +230,13 @@ impl System {
     }
 }
 
-/// Least share of the walls' information about the position that an axis must have to count: less is
-/// noise of the walls' directions.
+/// Least fraction of the walls' information on the position that an axis needs to count. Less is noise
+/// of the walls' directions.
 const LEAST_SHARE: f64 = 0.01;
 
-/// Information from walls, given as points and unit normals in the frame of a pose
-/// that is seen at `seen`: they hold it across, not along. The frame of the result is that of the
-/// pose that sees it.
+/// Returns the information from walls, which hold a pose across them, not along them. They are given as
+/// points and unit normals in the frame of a pose that is seen at `seen`. The result is in the frame of
+/// the pose that sees it.
 pub(crate) fn held_by_walls(seen: Pose, walls: &[(DVec2, DVec2)], variance: f64) -> DMat3 {
     let axis = unit_vector(seen.heading);
     let sum = walls.iter().fold(DMat3::ZERO, |sum, &(point, normal)| {
@@ -243,7 +244,7 @@ pub(crate) fn held_by_walls(seen: Pose, walls: &[(DVec2, DVec2)], variance: f64)
         let by = normal.extend(normal.dot(point.perp()));
         sum + DMat3::from_cols(by * by.x, by * by.y, by * by.z)
     });
-    // Along a bare corridor nothing is known: the remainder there is removed.
+    // Along a bare corridor nothing is known, so the rest that is left there is removed.
     let (xx, xy, yy) = (sum.x_axis.x, sum.x_axis.y, sum.y_axis.y);
     let spread = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
     let (most, least) = (0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread);
@@ -260,7 +261,7 @@ pub(crate) fn held_by_walls(seen: Pose, walls: &[(DVec2, DVec2)], variance: f64)
     keep * sum * keep * (1.0 / variance)
 }
 
-/// Information about a motion, from the variances of position and heading.
+/// Returns the information on a motion, given the variances of position and heading.
 pub(crate) fn of_motion(position: f64, heading: f64) -> DMat3 {
     let least = 1e-8;
     let (position, heading) = (1.0 / position.max(least), 1.0 / heading.max(least));

@@ -1,4 +1,4 @@
-//! Draws scans into an occupancy map.
+//! Insertion of scans into an occupancy map.
 
 use envgen::geometry::Pose;
 use glam::{DVec2, Vec2};
@@ -9,31 +9,31 @@ use crate::map::{CLAMP, HIT, MISS, OccupancyMap, RESOLUTION, TILE};
 /// Greatest distance from the origin in metres at which anything is drawn.
 const FARTHEST: f64 = 2e7;
 
-/// Fraction bits of the fixed-point coordinates, in cells, along which rays are walked.
+/// Number of fraction bits of the fixed-point coordinates, in cells, along which rays are walked.
 const FRACTION: u32 = 16;
 
 const ONE: i32 = 1 << FRACTION;
 
-/// Whether a point is near enough to be drawn; NaN is not.
+/// Whether a point is near enough to be drawn. NaN is not.
 pub(crate) fn is_near(p: DVec2) -> bool {
     p.abs().max_element() <= FARTHEST && p.is_finite()
 }
 
-/// Draws scans: each cell that contains an echo gains [`HIT`], each other cell that a ray passes
-/// loses [`MISS`], once per scan however many rays pass it.
+/// Inserts scans into a map: each cell that contains an echo gains [`HIT`], and each other cell that a
+/// ray passes loses [`MISS`], once per scan, however many rays pass it.
 ///
-/// The rays first mark a scratch board, by stores alone; then the marks are added to the map,
-/// tile by tile. Memory is bounded by the reach of a ray.
+/// The rays first mark a board, which only needs stores. Then the marks are added to the map, tile by
+/// tile. Memory is bounded by the reach of a ray.
 #[derive(Clone, Debug, Default)]
 pub struct ScanInserter {
-    /// The change of each cell of a board of whole tiles, row by row; zero between scans.
+    /// The change of each cell of the board of whole tiles, row by row; zero between scans.
     marks: Vec<i8>,
     /// Ends of rays in fixed point on the board, reused.
     ends: Vec<(i32, i32)>,
 }
 
 impl ScanInserter {
-    /// With an empty board.
+    /// Creates an inserter with an empty board.
     pub fn new() -> Self {
         ScanInserter::default()
     }
@@ -61,7 +61,7 @@ impl ScanInserter {
             return;
         }
 
-        // The board: whole tiles around the laser and all ends of rays.
+        // The board has whole tiles around the laser and all ends of rays.
         let per_cell = 1.0 / RESOLUTION;
         let (mut low, mut high) = (from, from);
         let at = |p: Vec2| on_map(p.as_dvec2());
@@ -69,7 +69,7 @@ impl ScanInserter {
             let p = at(p);
             (low, high) = (low.min(p), high.max(p));
         }
-        // A cell of margin: rounding may put a ray beside its ends.
+        // A margin of one cell, since rounding may put a ray beside its ends.
         let (reach, margin) = (DVec2::splat(2.0 * REACH), DVec2::splat(RESOLUTION));
         let (low, high) = (low.max(from - reach) - margin, high.min(from + reach) + margin);
         let tile_of = |p: DVec2| (p * (per_cell / f64::from(TILE))).floor().as_ivec2();
@@ -109,7 +109,8 @@ impl ScanInserter {
     }
 }
 
-/// Marks the cells of a ray, without the one it ends in: along its longer axis one cell per step.
+/// Marks the cells of a ray except the one that it ends in, with one cell per step along its longer
+/// axis.
 fn walk(marks: &mut [i8], width: usize, start: (i32, i32), end: (i32, i32)) {
     let (dx, dy) = (end.0 - start.0, end.1 - start.1);
     let steep = dy.abs() > dx.abs();
@@ -120,7 +121,7 @@ fn walk(marks: &mut [i8], width: usize, start: (i32, i32), end: (i32, i32)) {
         return;
     }
     let slope = ((i64::from(across) << FRACTION) / i64::from(along.abs())) as i32;
-    // The first cell is the laser's own; each other is where the ray crosses its middle.
+    // The first cell is that of the laser. Each other cell is the one where the ray crosses its middle.
     let middle = (major & !(ONE - 1)) + ONE / 2;
     let ahead = if along > 0 { middle - major } else { major - middle };
     let mut minor_at = minor + ((i64::from(slope) * i64::from(ahead)) >> FRACTION) as i32;
@@ -153,7 +154,8 @@ fn transfer(map: &mut OccupancyMap, tile: (i32, i32), marks: &mut [i8], width: u
 
 fn add(cells: &mut [i16], marks: &mut [i8]) {
     for (cell, mark) in cells.iter_mut().zip(marks) {
-        // Both are far from the limits: a checked sum would be taken one cell at a time.
+        // Both values are far from the limits, but with a checked sum the cells would be processed one
+        // at a time.
         *cell = cell.saturating_add(i16::from(*mark)).clamp(-CLAMP, CLAMP);
         *mark = 0;
     }

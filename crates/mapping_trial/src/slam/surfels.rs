@@ -1,7 +1,7 @@
-//! Surfels: short pieces of wall, each the mean of many echoes, and the refinement of a matched pose
-//! against them.
+//! Surfels: short pieces of wall, each the mean of many echoes. A matched pose is refined against them.
 //!
 //! A likelihood field is flat on top: where a wall was seen a hundred times, the field's ridge is as
+//! wide as the echoes scatter, and a scan may slide within it. The mean of the echoes has no width.
 //! wide as the echoes scatter, and a scan may slide within it. The mean of the echoes has no width.
 
 use std::collections::BTreeMap;
@@ -12,51 +12,53 @@ use glam::{DMat2, DMat3, DVec2, DVec3, IVec2, Vec2};
 use super::track::Variance;
 use crate::map::floor;
 
-/// Side of a cell in metres: a surfel is the mean over at most two cells along each axis.
+/// Side of a cell in metres. A surfel is the mean over at most two cells along each axis.
 const CELL: f64 = 0.2;
 
 /// Cells along a side of a tile.
 const TILE: i32 = 16;
 
-/// Echoes from which on a surfel does not move any more: what the first passes saw is the map.
+/// Number of echoes from which a surfel does not move any more: the map is what the first passes saw.
 const MOST_ECHOES: f64 = 100.0;
 
-/// Fewest echoes of a surfel that a scan is matched to.
+/// Least number of echoes of a surfel to which a scan is matched.
 const FEWEST_ECHOES: f64 = 3.0;
 
-/// Distance in metres along the wall to either side over which an echo's normal is taken, and the
-/// most that the echo may be off the line between: trunks of trees are no walls.
+/// Distance in metres along the wall, to either side, over which the normal at an echo is computed, and
+/// the most that the echo may be off the line between. It excludes the trunks of trees, which are not
+/// walls.
 const ARM: f32 = 0.15;
 const STRAIGHT: f32 = 0.03;
 
-/// Echoes that are nearer than this in metres, measured from echo to echo, are nearer than an arm, whatever rounding does.
+/// Echoes that are nearer to each other than this in metres, summed from echo to echo, are certainly
+/// nearer than an arm, whatever the rounding.
 const SURELY_WITHIN_ARM: f64 = ARM as f64 - 1e-4;
 
-/// Longest gap in metres between neighbouring echoes of one wall.
+/// Greatest gap in metres between neighbouring echoes of one wall.
 const GAP: f32 = 0.5;
 
-/// Standard deviation in metres of an echo off its surfel, and the distance beyond which it belongs
-/// to something else.
+/// Standard deviation in metres of an echo from its surfel, and the distance beyond which the echo
+/// belongs to something else.
 const SCATTER: f64 = 0.015;
 const FARTHEST: f64 = 0.2;
 
-/// Variances of a pose that a scan was matched to, in square metres and radians.
+/// Variances of a pose to which a scan was matched, in square metres and square radians.
 pub(crate) const MATCHED: Variance = Variance { position: 9e-4, heading: 2.5e-5 };
 
 /// Least variances of an expected pose.
 const LEAST: Variance = Variance { position: 1e-6, heading: 1e-7 };
 
-/// Distance in metres from its surfel within which an echo was expected.
+/// Distance in metres from a surfel within which an echo lies on it.
 const NEAR: f64 = 0.04;
 
-/// Share of walls across the others from which a position is held in both directions.
+/// Fraction of walls across the others from which a position is held in both directions.
 const HELD: f64 = 0.05;
 
-/// Steps of the refinement at most, and the step in metres, or radians, that ends it.
+/// Greatest number of steps of the refinement, and the step in metres or radians that ends it.
 const STEPS: usize = 6;
 const STEP: f64 = 2e-4;
 
-/// The last step in metres, or radians, up to which a refinement has settled.
+/// Greatest last step, in metres or radians, of a refinement that has settled.
 const SETTLED: f64 = 5e-3;
 
 /// An echo on a wall, and the wall's normal towards the robot, in the robot's frame.
@@ -66,12 +68,13 @@ pub(crate) struct WallPoint {
     pub(crate) normal: DVec2,
 }
 
-/// The echoes of a scan that lie on a wall, seen from the laser's position.
+/// Returns the echoes of a scan that lie on a wall, with normals towards the laser's position.
 pub(crate) fn wall_points(echoes: &[Vec2], laser: DVec2) -> Vec<WallPoint> {
     let mut walls = Vec::with_capacity(echoes.len());
     let mut along = Vec::with_capacity(echoes.len());
     for row in echoes.chunk_by(|a, b| b.distance(*a) <= GAP) {
-        // Distances from echo to echo: no echo is farther from another than this sum says.
+        // The distances are summed from echo to echo, so that no two echoes are farther apart than the
+        // sum says.
         along.clear();
         let mut sum = 0.0;
         along.extend(row.iter().zip([&row[0]].into_iter().chain(row)).map(|(echo, before)| {
@@ -154,8 +157,8 @@ impl SurfelMap {
     }
 
     /// Moves a pose to where the walls of a scan lie on the surfels (Gauss-Newton on the distances of
-    /// points to lines, with weights that fall with the distance; Censi, An ICP variant using a point-to-line metric,
-    /// ICRA 2008, <https://doi.org/10.1109/ROBOT.2008.4543181>).
+    /// points to lines, with weights that fall with the distance; Censi, An ICP variant using a
+    /// point-to-line metric, ICRA 2008, <https://doi.org/10.1109/ROBOT.2008.4543181>).
     pub(crate) fn refine(
         &self,
         expected: Pose,
@@ -176,7 +179,7 @@ impl SurfelMap {
             let heading = unit_vector(pose.heading);
             let off = (expected.position - pose.position)
                 .extend(wrap_angle(expected.heading - pose.heading));
-            // The information's upper triangle, row by row.
+            // The upper triangle of the information matrix, row by row.
             let mut sums = [prior.x, 0.0, 0.0, prior.y, 0.0, prior.z];
             let mut pull = prior * off;
             let mut before = Look::default();
@@ -184,7 +187,7 @@ impl SurfelMap {
                 let arm = heading.rotate(wall.point);
                 let at = pose.position + arm;
                 let place = Place::of(at, heading.rotate(wall.normal));
-                // Most walls are in the same place as in the last step, or as their neighbour.
+                // Most walls have the same place as in the last step, or as their neighbour.
                 if look.place != Some(place) {
                     *look = if before.place == Some(place) { before } else { tile.look(place) };
                 }
@@ -228,7 +231,7 @@ impl SurfelMap {
                 break;
             }
         }
-        // The smaller eigenvalue against the larger one, by trace and determinant.
+        // The ratio of the smaller to the larger eigenvalue, by trace and determinant.
         let trace = normals.x_axis.x + normals.y_axis.y;
         let is_held = normals.determinant() > HELD * trace * trace;
         Refined { pose, near, known, is_held, is_settled: last <= SETTLED }
@@ -271,7 +274,7 @@ struct Look {
     found: Option<(DVec2, DVec2)>,
 }
 
-/// The tile that was looked at last: most neighbours are in the same one.
+/// The tile of the last look-up, since most neighbours are in the same tile.
 struct CachedTile<'a> {
     map: &'a SurfelMap,
     at: Option<(i32, i32)>,
@@ -283,7 +286,8 @@ impl CachedTile<'_> {
         Look { place: Some(place), found: self.surfel(place) }
     }
 
-    /// Middle and normal of the wall at a place: over the two cells on each axis that are nearest.
+    /// Returns the middle and the normal of the wall at a place, over the two nearest cells on each
+    /// axis.
     fn surfel(&mut self, Place { first, facing }: Place) -> Option<(DVec2, DVec2)> {
         let origin = corner(first);
         let mut all = Surfel::default();

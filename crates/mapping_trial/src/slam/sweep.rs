@@ -1,4 +1,4 @@
-//! A scan as points around its robot.
+//! Scans as points around the robot.
 
 use envgen::geometry::{Pose, unit_vector};
 use glam::{DVec2, Vec2};
@@ -6,27 +6,27 @@ use glam::{DVec2, Vec2};
 use crate::lidar::{LaserProfile, NO_ECHO, Scan};
 use crate::robot::Robot;
 
-/// Farthest in metres that a ray changes the map: bounds the memory of one scan.
-/// An echo from farther away is ignored.
+/// Greatest distance in metres at which a ray changes the map, which bounds the memory of one scan.
+/// Echoes from farther away are ignored.
 pub const REACH: f64 = 40.0;
 
 /// Least number of echoes by which a place can be recognised.
 pub const FEWEST_ECHOES: usize = 10;
 
-/// Greatest number of echoes that are kept: of finer lasers every second, third, ... beam counts.
+/// Greatest number of echoes that are kept. Of finer lasers, only every second, third, ... beam counts.
 const MOST_BEAMS: usize = 2048;
 
 /// The echoes of one scan, in metres in the robot's own frame (x ahead).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sweep {
-    /// The ends of rays with an echo.
+    /// End points of the rays with an echo.
     pub echoes: Vec<Vec2>,
-    /// The ends of rays without an echo.
+    /// End points of the rays without an echo.
     pub clear: Vec<Vec2>,
 }
 
 impl Sweep {
-    /// Distance of the farthest point from the robot's centre, in metres.
+    /// Returns the distance of the farthest point from the robot's centre, in metres.
     pub fn radius(&self) -> f64 {
         let farthest = |points: &[Vec2]| points.iter().fold(0.0_f32, |r, p| r.max(p.length()));
         f64::from(farthest(&self.echoes).max(farthest(&self.clear)))
@@ -43,7 +43,7 @@ pub struct Sweeper {
 }
 
 impl Sweeper {
-    /// For the laser of a robot.
+    /// Creates a sweeper for the laser of a robot.
     pub fn new(robot: &Robot, laser: &LaserProfile) -> Self {
         let beams = laser.beams as usize;
         let stride = beams.div_ceil(MOST_BEAMS).max(1);
@@ -60,14 +60,13 @@ impl Sweeper {
         }
     }
 
-    /// The laser's pose, in the robot's frame.
+    /// Returns the laser's pose in the robot's frame.
     pub fn laser(&self) -> Pose {
         self.laser
     }
 
-    /// The points of a scan. Ranges that are NaN, negative, or 0, which a Hokuyo gives for an error, are ignored, as
-    /// are those beyond the
-    /// laser's number of beams.
+    /// Returns the points of a scan. It ignores ranges that are NaN, negative or 0 (which a Hokuyo
+    /// gives for an error), and those beyond the laser's number of beams.
     ///
     /// ```
     /// use envgen::glam::Vec2;

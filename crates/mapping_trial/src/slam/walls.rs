@@ -1,4 +1,4 @@
-//! The walls that a scan sees, and how they hold the pose that it was matched at.
+//! The walls that a scan sees, and how well they hold the pose at which it was matched.
 
 use envgen::geometry::Pose;
 use glam::{DVec2, Vec2};
@@ -9,13 +9,13 @@ use super::track::Variance;
 /// Standard deviation in metres that an echo's distance from its wall is assumed to have.
 const WALL_DEVIATION: f64 = 0.1;
 
-/// Variance of the same.
+/// Variance of an echo's distance from its wall.
 pub(crate) const WALL_VARIANCE: f64 = WALL_DEVIATION * WALL_DEVIATION;
 
-/// Longest distance in metres of neighbouring echoes that count as one wall.
+/// Greatest distance in metres between neighbouring echoes that count as one wall.
 pub(super) const WALL_GAP: f32 = 0.5;
 
-/// Least length in metres from which a wall's direction is measured: ten times the noise of a range.
+/// Least length in metres of a wall whose direction is measured: ten times the noise of a range.
 const WALL_LENGTH: f32 = 0.3;
 
 /// Likelihood of an echo, in 1/255, from which it counts as matched to its wall.
@@ -24,9 +24,9 @@ const FOUND: u8 = 77;
 /// A piece of wall as seen from a pose: a point and the unit normal there.
 pub(crate) type WallPiece = (DVec2, DVec2);
 
-/// The walls that hold a matched scan: for each echo at the place of earlier echoes,
-/// the wall from there to the next echo that is far enough for the noise not to matter. An echo of
-/// something new has no information on the pose.
+/// Returns the walls that hold a matched scan: for each echo where earlier echoes were, the wall from
+/// there to the next echo that is far enough for noise not to matter. An echo of something new has no
+/// information on the pose.
 pub(crate) fn walls(field: &LikelihoodField, pose: Pose, echoes: &[Vec2]) -> Vec<WallPiece> {
     let on_map = pose.local_to_world();
     let mut end = 0;
@@ -51,7 +51,7 @@ pub(crate) fn walls(field: &LikelihoodField, pose: Pose, echoes: &[Vec2]) -> Vec
     pieces
 }
 
-/// The variance of a step after a match: the echoes hold the pose across their walls, not along
+/// Returns the variance of a step after a match: the echoes hold the pose across their walls, not along
 /// them.
 pub(crate) fn constrained(motion: Variance, walls: &[WallPiece]) -> Variance {
     let (mut xx, mut xy, mut yy, mut turn) = (0.0, 0.0, 0.0, 0.0);

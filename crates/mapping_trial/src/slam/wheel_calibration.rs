@@ -1,10 +1,11 @@
-//! The systematic errors of what a robot's wheels measure, learned where walls hold its pose.
+//! Calibration of wheel odometry: the systematic errors of the wheels are learned where walls hold the
+//! pose.
 //!
-//! A skid-steered robot measures every turn too large or too small by the same share, and every
-//! distance by another. Where nothing is in sight the wheels alone carry the pose. Where walls hold it,
-//! the same motion is known twice, and the ratio of both is the error (Martinelli et al., Simultaneous
-//! localization and odometry self calibration for mobile robot, Autonomous Robots 22, 2007,
-//! <https://doi.org/10.1007/s10514-006-9006-7>).
+//! A skid-steered robot measures all turns too large or too small by one factor, and all distances by
+//! another. Where nothing is in sight, the wheels alone determine the pose. Where walls hold it, the
+//! same motion is known twice, and the ratio of the two values is the error (Martinelli et al.,
+//! Simultaneous localization and odometry self calibration for mobile robot, Autonomous Robots 22,
+//! 2007, <https://doi.org/10.1007/s10514-006-9006-7>).
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use serde::{Deserialize, Serialize};
@@ -13,63 +14,64 @@ use super::fusion::Drift;
 use super::motion::believable;
 use crate::odometry::Increment;
 
-/// Which systematic errors of the wheels an estimator that matches scans learns.
+/// The systematic errors of the wheels that an estimator learns while it matches scans.
 ///
-/// With distances, the poses in buildings of 30 m are off by a sixth less, and a third as many by more
-/// than 0.3 m. But what was mapped before a scale is known does not fit what is mapped after: where a loop
-/// through long corridors comes back, the gap is larger, and [`PoseGraph`](super::PoseGraph) closes it less
-/// often.
+/// If distances are learned, too, the poses in buildings of 30 m are off by a sixth less, and a third
+/// as many by more than 0.3 m. But what was mapped before a scale is known does not fit what is mapped
+/// after. Where a loop through long corridors comes back, the gap is larger, and
+/// [`PoseGraph`](super::PoseGraph) closes it less often.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum WheelCalibration {
-    /// None: every increment counts as it is measured.
+    /// No errors: every increment counts as it is measured.
     None,
-    /// That of turns.
+    /// The error of turns.
     #[default]
     Turns,
-    /// That of turns and that of distances.
+    /// The errors of turns and of distances.
     TurnsAndDistances,
 }
 
 impl WheelCalibration {
-    /// Whether files leave it out, as those do that are older than this setting.
+    /// Whether files omit it, as those do that are older than this setting.
     pub(crate) fn is_default(&self) -> bool {
         *self == WheelCalibration::default()
     }
 }
 
-/// Radians of turning with a ratio of 1 that unknown wheels are worth: the variance of a radian of turning
-/// over that of the ratio from robot to robot.
+/// Weight of the prior that the ratio is 1, in radians of turning: the variance of a radian of turning
+/// divided by that of the ratio from robot to robot.
 const TURN_PRIOR: f64 = 2.0;
 
-/// Metres with a ratio of 1 that unknown wheels are worth, likewise.
+/// Weight of the prior that the ratio of distances is 1, in metres, likewise.
 const DISTANCE_PRIOR: f64 = 3.0;
 
 /// Greatest deviation of a ratio from 1.
 const MOST: f64 = 0.2;
 
-/// Least turn in radians, and least distance in metres, from one keyframe to the next that is compared:
-/// less is mostly the error of the matches.
+/// Least turn in radians, and least distance in metres, from one keyframe to the next that are
+/// compared. Smaller ones are mostly errors of the matches.
 const LEAST_TURN: f64 = 0.1;
 const LEAST_DISTANCE: f64 = 0.15;
 
-/// Most turning in radians between keyframes whose distance is compared: a chord is shorter than its arc.
+/// Greatest turning in radians between keyframes whose distance is compared, since a chord is shorter
+/// than its arc.
 const STRAIGHT: f64 = 0.1;
 
-/// Largest relative difference of a motion on the map from that of the wheels; a wrong match is farther
-/// off.
+/// Greatest relative difference between a motion on the map and by the wheels. A wrong match differs
+/// more.
 const BELIEVED: f64 = 0.5;
 
-/// Greatest standard deviations of the drift, in radians and in metres along the worse direction, with which
-/// walls hold a pose well enough to measure the wheels by it. Of positions less would do for a step alone, but
-/// matches of weakly held positions are pulled by what is new in a scan, in corridors by 1 % of the
-/// distance.
+/// Greatest standard deviations of the drift, in radians and in metres along the worse direction, with
+/// which walls hold a pose well enough to measure the wheels by it. For a single step a larger
+/// deviation of the position would do. But matches of weakly held positions are pulled by what is new
+/// in a scan, in corridors by 1 % of the distance.
 const HELD_HEADING: f64 = 0.01;
 const HELD_POSITION: f64 = 0.008;
 
-/// What the same motions are on the map and by the wheels.
+/// The sums of the same motions on the map and by the wheels.
 #[derive(Clone, Copy, Debug)]
 struct Compared {
     on_map: f64,
@@ -81,16 +83,16 @@ impl Compared {
         Compared { on_map: prior, by_wheels: prior }
     }
 
-    /// By what a measurement of the wheels is to be multiplied.
+    /// The factor by which a measurement of the wheels is to be multiplied.
     fn ratio(&self) -> f64 {
         (self.on_map / self.by_wheels).clamp(1.0 - MOST, 1.0 + MOST)
     }
 
-    /// Takes a motion, signed, if it is long enough and both agree.
+    /// Adds a signed motion, if it is long enough and if both values agree.
     fn add(&mut self, on_map: f64, by_wheels: f64, least: f64) {
         let (on_map, by_wheels) = (on_map * by_wheels.signum(), by_wheels.abs());
-        // Judged on the map: of motions that the wheels measured as long enough, too many would be
-        // measured as too long.
+        // The length is judged on the map. If it were judged by the wheels, too many of the chosen
+        // motions would be measured as too long.
         let is_long = on_map >= least;
         if is_long && (on_map - by_wheels).abs() <= BELIEVED * by_wheels {
             self.on_map += on_map;
@@ -109,7 +111,7 @@ pub(crate) struct WheelScales {
     turn: f64,
     turned: f64,
     distance: f64,
-    /// Whether walls held heading and position there.
+    /// Whether walls held heading and position at the last keyframe.
     held: (bool, bool),
 }
 
@@ -127,7 +129,7 @@ impl WheelScales {
         }
     }
 
-    /// Takes what the wheels measured in a tick, and corrects it by what is known of them.
+    /// Takes what the wheels measured in a tick, and returns it corrected by what is known of them.
     pub(crate) fn correct(&mut self, measured: Increment) -> Increment {
         let measured = believable(measured);
         self.turn += measured.turn;
@@ -139,7 +141,8 @@ impl WheelScales {
         }
     }
 
-    /// Takes the poses of the last keyframe and of a new one, and the drift that walls leave the new one.
+    /// Processes the poses of the last keyframe and of a new one, and the drift of the new one that
+    /// walls leave.
     pub(crate) fn keyframe(&mut self, last: Pose, new: Pose, drift: &Drift) {
         let held = (drift.heading_deviation() <= HELD_HEADING, drift.deviation() <= HELD_POSITION);
         let turn = wrap_angle(new.heading - last.heading);
