@@ -26,7 +26,7 @@ use crate::robot::Robot;
 use crate::score::{Reference, SweptCells};
 use crate::slam::Slam;
 
-/// Builds a trial from settings and parts: parts that are not plugged in are those of the settings.
+/// Builds a trial from settings and parts. Parts that are not plugged in are made from the settings.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -59,18 +59,18 @@ pub struct TrialBuilder<'w> {
     world: &'w World,
     settings: TrialSettings,
     parts: TrialParts,
-    /// Where the robots start, once they are known.
+    /// The poses where the robots start, once they are known.
     starts: Vec<Pose>,
     /// Area in square metres that can be mapped, if it is known.
     area: Option<f64>,
-    /// The area that a robot can map from a position.
+    /// The area in square metres that a robot can map from a position, once it is measured.
     measured: Option<(Robot, DVec2, f64)>,
     source: Option<LogWorld>,
     scenario: Option<Scenario>,
 }
 
 impl<'w> TrialBuilder<'w> {
-    /// A trial of these settings in a world.
+    /// Creates a builder for a trial with these settings in a world.
     pub fn new(world: &'w World, settings: TrialSettings) -> Self {
         TrialBuilder {
             world,
@@ -84,15 +84,15 @@ impl<'w> TrialBuilder<'w> {
         }
     }
 
-    /// With doors, people and smoke. A backend of your own has them in [`Setup::scenario`], and gives their state
-    /// by [`RobotBackend::scenario`].
+    /// Adds doors, people and smoke. A custom backend gets them in [`Setup::scenario`], and returns
+    /// their state from [`RobotBackend::scenario`].
     #[must_use]
     pub fn scenario(mut self, scenario: Scenario) -> Self {
         self.scenario = Some(scenario);
         self
     }
 
-    /// With an estimator of your own.
+    /// Plugs in a custom SLAM estimator.
     #[must_use]
     pub fn slam<S: Slam + Send + Sync + 'static>(
         mut self,
@@ -102,7 +102,7 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// With a policy of your own, in place of the settings' policy.
+    /// Plugs in a custom policy in place of the one of the settings.
     #[must_use]
     pub fn policy<O: ExplorationPolicy + Send + Sync + 'static>(
         mut self,
@@ -112,7 +112,8 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// With a laser of your own, made per robot; the second argument is the robot's number, from 0.
+    /// Plugs in a custom laser. `make` is called for each robot; its second argument is the robot's
+    /// number, from 0.
     #[must_use]
     pub fn laser<L: LaserSensor + Send + Sync + 'static>(
         mut self,
@@ -122,7 +123,8 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// With a wheel sensor of your own, made per robot; the second argument is its number, from 0.
+    /// Plugs in a custom wheel sensor. `make` is called for each robot; its second argument is the
+    /// robot's number, from 0.
     #[must_use]
     pub fn odometry<W: WheelSensor + Send + Sync + 'static>(
         mut self,
@@ -132,38 +134,38 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// With all these parts, in place of those plugged in before.
+    /// Uses all these parts in place of those plugged in before.
     #[must_use]
     pub fn parts(mut self, parts: TrialParts) -> Self {
         self.parts = parts;
         self
     }
 
-    /// With a reference that is known already, of this world, robot and start: saves its computation
-    /// where the time limit depends on the area.
+    /// Sets a known reference for this world, robot and start. It need not be computed then if the time
+    /// limit depends on the area.
     #[must_use]
     pub fn reference(mut self, reference: &Reference) -> Self {
         self.area = Some(reference.free_area());
         self
     }
 
-    /// With the source of the world, if it is known: otherwise a world that says that it was
-    /// generated is generated again, to see whether it still is that one.
+    /// Sets the source of the world, if it is known. Otherwise a world with provenance is generated
+    /// again, to check whether the provenance still holds.
     #[must_use]
     pub fn source(mut self, source: LogWorld) -> Self {
         self.source = Some(source);
         self
     }
 
-    /// With changed settings.
+    /// Changes the settings.
     #[must_use]
     pub fn settings(mut self, change: impl FnOnce(&mut TrialSettings)) -> Self {
         change(&mut self.settings);
         self
     }
 
-    /// What the trial's parts are given, for parts that need it before they are made: the settings
-    /// with the time limit that holds, the poses where the robots start, and the area to map.
+    /// Returns what the trial's parts get, for parts that need it before they are made: the settings
+    /// with the time limit in effect, the poses where the robots start, and the area to map.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -194,13 +196,13 @@ impl<'w> TrialBuilder<'w> {
         Ok(Setup { settings, starts, area: world.bounds, scenario: None })
     }
 
-    /// The area in square metres that can be mapped from a start: that of the reference, or else measured once for a robot
-    /// and a start.
+    /// The area in square metres that can be mapped from a start: that of the reference, or else
+    /// measured once for a robot and a start.
     fn area(&mut self, start: Pose) -> Result<f64, TrialError> {
         if let Some(known) = self.area {
             return Ok(known);
         }
-        // The area may raise the charge of the battery, which does not change it.
+        // The area may raise the charge of the battery, but the charge does not change the area.
         let body = Robot { battery: 1.0, ..self.settings.body.clone() };
         let found = match self.measured.take() {
             Some(found) if (&found.0, found.1) == (&body, start.position) => found,
@@ -214,18 +216,18 @@ impl<'w> TrialBuilder<'w> {
         Ok(area)
     }
 
-    /// A trial in the flat simulator.
+    /// Builds a trial in the flat simulator.
     ///
     /// # Errors
     ///
-    /// Settings that are not allowed, or a start that is missing or not free.
+    /// If a setting is not allowed, or if a start is missing or not free.
     pub fn build_flat(self) -> Result<Trial<FlatSimulator>, TrialError> {
         self.settings.validate()?;
         let flat = Arc::new(FlatWorld::new(self.world, &self.settings.body)?);
         self.build_flat_in(flat)
     }
 
-    /// The same in a world that is indexed already, for many trials in one world.
+    /// Builds a trial in a world that is already indexed, for many trials in one world.
     ///
     /// # Errors
     ///
@@ -241,8 +243,8 @@ impl<'w> TrialBuilder<'w> {
         })
     }
 
-    /// A trial with a robot backend of your own. `place` creates it from the setup with the starts,
-    /// and from the sensors of each robot.
+    /// Builds a trial with a custom robot backend. `place` creates the backend from the setup with the
+    /// starts and from the sensors of each robot.
     ///
     /// # Errors
     ///
@@ -304,16 +306,16 @@ impl<'w> TrialBuilder<'w> {
 }
 
 impl Trial<FlatSimulator> {
-    /// A trial of built-in parts in the flat simulator.
+    /// Creates a trial of built-in parts in the flat simulator.
     ///
     /// # Errors
     ///
-    /// Settings that are not allowed, or a start that is missing or not free.
+    /// If a setting is not allowed, or if a start is missing or not free.
     pub fn flat(world: &World, settings: TrialSettings) -> Result<Self, TrialError> {
         TrialBuilder::new(world, settings).build_flat()
     }
 
-    /// A builder that puts a trial together from parts: SLAM, policy, sensors and robot backend.
+    /// Returns a builder, which builds a trial from parts: SLAM, policy, sensors and robot backend.
     pub fn builder(world: &World, settings: TrialSettings) -> TrialBuilder<'_> {
         TrialBuilder::new(world, settings)
     }

@@ -1,5 +1,5 @@
-//! The clock of a trial: it counts ticks of [`TICK`], the time step of every backend. The time limit is a setting, which
-//! the trial compares with the time that its backend observes.
+//! The clock of a trial, which counts ticks of [`TICK`], the time step of every backend. The time limit
+//! is a setting, which the trial compares with the time that its backend observes.
 
 use crate::backend::TICK;
 
@@ -10,17 +10,17 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// One tick passes.
+    /// Counts one tick.
     pub(super) fn advance(&mut self) {
         self.ticks += 1;
     }
 
-    /// Number of ticks.
+    /// Returns the number of ticks.
     pub(super) fn ticks(self) -> u64 {
         self.ticks
     }
 
-    /// Simulated seconds.
+    /// Returns the simulated time in seconds.
     pub(super) fn time(self) -> f64 {
         self.ticks as f64 * TICK
     }

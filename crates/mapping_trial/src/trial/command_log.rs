@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::backend::Command;
 
-/// The commands of one robot, equal ones together.
+/// The commands of one robot, in runs of equal ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub(super) struct CommandLog {
-    /// Speed in m/s, rate of turning in rad/s, and for how many ticks.
+    /// Speed in m/s, rate of turning in rad/s, and the number of ticks of a run.
     runs: Vec<(f64, f64, u64)>,
 }
 

@@ -1,4 +1,4 @@
-//! The end of a robot's part in a trial.
+//! The reasons for which a robot's part in a trial ends.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,26 +20,27 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EndReason {
-    /// No frontier was left that it could reach.
+    /// No frontier was left that the robot could reach.
     Explored,
-    /// It was stuck and could not free itself.
+    /// The robot was stuck and could not free itself.
     Stuck,
-    /// Its policy failed: see [`ExplorationPolicy::failure`](crate::policy::ExplorationPolicy::failure).
+    /// The policy failed: see
+    /// [`ExplorationPolicy::failure`](crate::policy::ExplorationPolicy::failure).
     Failed,
-    /// It drove into water.
+    /// The robot drove into water.
     Drowned,
-    /// Its battery was empty.
+    /// The battery was empty.
     Battery,
     /// The time limit was reached.
     TimeLimit,
     /// A person ended the trial.
     Stopped,
-    /// It was removed from the simulation.
+    /// The robot was removed from the simulation.
     Removed,
 }
 
 impl EndReason {
-    /// The reason in words.
+    /// Returns the reason in words.
     pub fn text(self) -> &'static str {
         match self {
             EndReason::Explored => "explored",
@@ -58,8 +59,8 @@ impl EndReason {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotEnd {
-    /// Why.
+    /// The reason.
     pub reason: EndReason,
-    /// Number of ticks until then.
+    /// Number of ticks until the end.
     pub tick: u64,
 }

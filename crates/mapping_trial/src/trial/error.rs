@@ -1,4 +1,4 @@
-//! Why a trial cannot begin.
+//! Errors of building and replaying trials.
 
 use envgen::geometry::Pose;
 use envgen::{GenerateError, SettingsError, SpecError};
@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::flat::FlatSimulator;
 use crate::mappable_area::MappableAreaError;
 
-/// Why a trial cannot begin.
+/// An error that prevents a trial from starting.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum TrialError {
@@ -20,13 +20,13 @@ pub enum TrialError {
     /// A log's world cannot be generated.
     #[error(transparent)]
     Generate(#[from] GenerateError),
-    /// The edits of a log's world cannot be made.
+    /// The edits of a log's world cannot be repeated.
     #[error("the log's world cannot be edited again: {0}")]
     Edits(String),
     /// A log says that its world was generated, but has no seed.
     #[error("the log's world has a spec but no seed")]
     NoSeed,
-    /// The world has no start and the settings give none.
+    /// The world has no start, and the settings have none either.
     #[error("the world has no start, and the settings give none: set `start`")]
     NoStart,
     /// The start is not in the world.
@@ -54,10 +54,10 @@ pub enum TrialError {
         /// The start.
         start: Pose,
     },
-    /// The time limit depends on an area that cannot be computed.
+    /// The time limit depends on the mappable area, which cannot be computed.
     #[error("`time_per_area` needs the area that can be mapped: {0}")]
     Area(#[from] MappableAreaError),
-    /// There is no room for all robots near the start.
+    /// There is not enough space for all robots near the start.
     #[error("near the start there is room for {found} of {robots} robots")]
     NoRoom {
         /// Requested number of robots.
@@ -65,7 +65,7 @@ pub enum TrialError {
         /// Number of starts found.
         found: u32,
     },
-    /// A log's world is not the one in which it was made.
+    /// A replay's world is not the one in which the log was made.
     #[error("the world must have the log's digest {logged}, got {found}")]
     OtherWorld {
         /// Digest in the log.

@@ -1,4 +1,5 @@
-//! A trial's log: world, settings and every command, from which the trial runs again to the last bit.
+//! The log of a trial: its world, its settings and every command, by which the trial is replayed to the
+//! last bit.
 
 use std::io::{Read, Write};
 
@@ -17,18 +18,19 @@ use super::settings::TrialSettings;
 use crate::backend::{Command, RobotBackend, TICK};
 use crate::setting_limits::MAX_TIME_LIMIT;
 
-/// Version of the logs' layout and of their replay; a log of another version is
-/// refused. 2: robots see water, and estimators find old walls again.
-/// 3: estimators close loops only where the scans then agree, and policies keep to the area to map.
+/// Version of the logs' layout and of their replay. A log of another version is rejected.
+///
+/// 2: robots see water, and estimators find old walls again. 3: estimators close loops only where the
+/// scans then agree, and policies keep to the area to map.
 pub const LOG_VERSION: u32 = 3;
 
-/// Greatest number of commands in a log for each robot: those of the longest trial.
+/// Greatest number of commands per robot in a log, which is that of the longest trial.
 const MAX_TICKS: u64 = (MAX_TIME_LIMIT / TICK) as u64 + 1;
 
-/// The longest log that is read, in bytes; longer ones are refused before they fill the memory.
+/// Greatest length of a log in bytes. Longer ones are rejected before they fill the memory.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// The log of a trial: the trial runs again from it to the last bit.
+/// The log of a trial, by which the trial is replayed to the last bit.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -49,23 +51,23 @@ const MAX_BYTES: u64 = 1 << 30;
 #[serde(deny_unknown_fields)]
 pub struct TrialLog {
     version: u32,
-    /// Where it took place.
+    /// The world of the trial.
     pub world: LogWorld,
-    /// Digest of the world, as [`World::digest`](envgen::World::digest) gives it.
+    /// Digest of the world, as returned by [`World::digest`](envgen::World::digest).
     pub world_digest: String,
     /// The settings of the trial.
     pub settings: TrialSettings,
-    /// Name of the robot backend, for instance `flat`.
+    /// Name of the robot backend, such as `flat`.
     pub engine: String,
-    /// The parts that were plugged in: a replay uses the settings' parts in their place, unless they
-    /// are plugged in again. A policy's commands are in the log.
+    /// The parts that were plugged in. A replay uses the parts of the settings instead, unless they are
+    /// plugged in again. A policy's commands are in the log.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
-    /// The doors, people and smoke; absent where nothing moved.
+    /// The doors, people and smoke; absent if nothing moved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenario: Option<Scenario>,
     pub(super) commands: Vec<CommandLog>,
-    /// The commands to its doors; absent where no program gave any.
+    /// The commands to doors; absent if no program gave any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) door_commands: Vec<GivenDoorCommand>,
     /// Why and when each robot's part ended; `None` if it had not ended.
@@ -80,17 +82,17 @@ struct AnyVersion {
     version: u64,
 }
 
-/// Why a log cannot be read or written.
+/// An error in reading or writing a log.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LogError {
     /// The text is not a log, or only a part of one.
     #[error("this is not a trial log: {0}")]
     Format(#[from] serde_json::Error),
-    /// Another version wrote it.
+    /// Another version of this crate wrote the log.
     #[error("a log of version {found}, expected version {LOG_VERSION}")]
     Version {
-        /// Its version.
+        /// The log's version.
         found: u64,
     },
     /// A value that no trial can have.
@@ -103,16 +105,16 @@ pub enum LogError {
         /// The allowed values.
         allowed: String,
     },
-    /// Its world breaks an invariant.
+    /// The log's world breaks an invariant.
     #[error("the log's world is broken: {0}")]
     World(#[from] Violation),
     /// A setting is not allowed.
     #[error("the log's settings: {0}")]
     Setting(#[from] SpecError),
-    /// It is too long.
+    /// The log is too long.
     #[error("the log is longer than {MAX_BYTES} bytes")]
     TooLong,
-    /// It could not be read or written.
+    /// The log could not be read or written.
     #[error(transparent)]
     Io(#[from] std::io::Error),
 }
@@ -122,14 +124,14 @@ impl TrialLog {
     ///
     /// # Errors
     ///
-    /// Text that is not a log, a log of another version, one whose world is broken or whose settings
-    /// are not allowed, or one that contradicts itself.
+    /// If the text is not a log, if it is of another version, if its world is broken or its settings
+    /// are not allowed, or if it contradicts itself.
     pub fn read(input: &mut dyn Read) -> Result<Self, LogError> {
         let mut text = String::new();
         if input.take(MAX_BYTES + 1).read_to_string(&mut text)? as u64 > MAX_BYTES {
             return Err(LogError::TooLong);
         }
-        // The version first: a log of another one has other fields.
+        // The version is read first, since a log of another version has other fields.
         match serde_json::from_str(&text) {
             Ok(AnyVersion { version }) if version != u64::from(LOG_VERSION) => {
                 return Err(LogError::Version { found: version });
@@ -163,7 +165,7 @@ impl TrialLog {
         Ok(log)
     }
 
-    /// Checks that the commands to doors are those of this trial, in their order.
+    /// Checks that the commands to doors belong to this trial and are in order.
     fn check_door_commands(&self) -> Result<(), LogError> {
         let doors = self.scenario.as_ref().map_or(0, |scenario| scenario.doors.len());
         let mut earliest = 0;
@@ -186,39 +188,40 @@ impl TrialLog {
     ///
     /// # Errors
     ///
-    /// Any error of the writer.
+    /// Returns any error of the writer.
     pub fn write(&self, out: &mut dyn Write) -> Result<(), LogError> {
         serde_json::to_writer(&mut *out, self)?;
         Ok(out.write_all(b"\n")?)
     }
 
-    /// SHA-256 of the log. Two trials of the flat simulator with equal digests were the same to the last
-    /// bit; with other robot backends, they had the same world, settings, commands and ends.
+    /// Returns the SHA-256 of the log. Two trials of the flat simulator with equal digests were the
+    /// same to the last bit. With other robot backends, they had the same world, settings, commands and
+    /// ends.
     pub fn digest(&self) -> Digest {
         Digest::of(self)
     }
 
-    /// Number of ticks of the trial.
+    /// Returns the number of ticks of the trial.
     pub fn ticks(&self) -> u64 {
         self.commands.first().map_or(0, CommandLog::ticks)
     }
 
-    /// The commands to the doors of its scenario, in the order in which they were given. Commands that changed nothing
-    /// are left out.
+    /// Returns the commands to the doors of the scenario, in the order in which they were given.
+    /// Commands that changed nothing are left out.
     pub fn door_commands(&self) -> &[GivenDoorCommand] {
         &self.door_commands
     }
 
-    /// The commands of a robot, tick by tick; none for a robot that the trial did not have.
+    /// Returns the commands of a robot, tick by tick; none for a robot that the trial did not have.
     pub fn commands(&self, robot: usize) -> impl Iterator<Item = Command> + '_ {
         self.commands.get(robot).into_iter().flat_map(CommandLog::iter)
     }
 }
 
 impl<B: RobotBackend> Trial<B> {
-    /// The log so far.
+    /// Returns the log of the trial so far.
     pub fn log(&self) -> TrialLog {
-        // Those that doors obey from the next tick on.
+        // These commands take effect from the next tick on.
         let pending = self.bodies.scenario().into_iter().flat_map(ScenarioState::door_commands);
         let pending = pending.filter(|given| given.tick == self.clock.ticks());
         TrialLog {

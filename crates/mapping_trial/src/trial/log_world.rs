@@ -1,4 +1,4 @@
-//! Where a log's world comes from.
+//! The world of a log: its provenance, or the world itself.
 
 use envgen::reproduction::{Reproduction, edited, reproduce};
 use envgen::{Provenance, World, WorldSpec};
@@ -6,19 +6,19 @@ use serde::{Deserialize, Serialize};
 
 use super::error::TrialError;
 
-/// Where a log's world comes from.
+/// The source of a log's world.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LogWorld {
-    /// Spec, seed and edits give the same world again.
+    /// A spec, a seed and edits, from which the same world is generated again.
     Generated(Provenance),
-    /// The world itself, where it was read from a file or changed by hand.
+    /// The world itself, if it was read from a file or changed by hand.
     Given(Box<World>),
 }
 
 impl LogWorld {
-    /// The smaller representation of a world. Whatever its provenance claims, the cost follows from the
-    /// world's size.
+    /// Returns the smaller representation of a world. Whatever its provenance claims, the cost follows
+    /// from the world's size.
     pub(super) fn of(world: &World) -> LogWorld {
         match reproduce(world) {
             Reproduction::Same(_) => LogWorld::Generated(world.provenance.clone()),
@@ -26,11 +26,11 @@ impl LogWorld {
         }
     }
 
-    /// The world, generated again or as given.
+    /// Returns the world, generated again or as given.
     ///
     /// # Errors
     ///
-    /// A provenance whose spec this version cannot read or generate.
+    /// If this version cannot read or generate the spec of the provenance.
     pub fn world(&self) -> Result<World, TrialError> {
         match self {
             LogWorld::Generated(provenance) => generate(provenance),

@@ -1,4 +1,4 @@
-//! Trials with any robot backend: clock, battery, end conditions, and the log of every command.
+//! Trials with any robot backend: clock, battery, end conditions, and a log of every command.
 
 mod builder;
 mod clock;

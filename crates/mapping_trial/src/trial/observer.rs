@@ -1,15 +1,15 @@
-//! Watching a trial while it runs: for recordings and displays.
+//! Observers, which watch a trial while it runs, for recordings and displays.
 
 use envgen::geometry::Pose;
 
 use crate::backend::Observation;
 use crate::slam::Slam;
 
-/// Watches a trial and changes nothing in it. Plugged in by
+/// Watches a trial and changes nothing in it. An observer is plugged in with
 /// [`TrialParts::observer`](super::TrialParts::observer).
 pub trait TrialObserver {
-    /// Takes what one robot measured in one tick, after SLAM has processed it and before the policy decides.
-    /// Robots whose part has ended are not observed any more.
+    /// Receives what one robot measured in one tick, after SLAM has processed it and before the policy
+    /// decides. It is not called for robots whose part has ended.
     fn observe(&mut self, moment: &Moment<'_>);
 }
 
@@ -18,10 +18,10 @@ pub trait TrialObserver {
 pub struct Moment<'a> {
     /// The robot's number, from 0.
     pub robot: usize,
-    /// What it measured.
+    /// What the robot measured.
     pub seen: &'a Observation,
-    /// Its true pose in the world's frame.
+    /// The robot's true pose in the world's frame.
     pub pose: Pose,
-    /// The estimated poses and the map so far.
+    /// The estimator, with the poses and the map so far.
     pub slam: &'a dyn Slam,
 }

@@ -1,4 +1,4 @@
-//! The parts of a trial that are not built in: estimators, policies and sensors of your own.
+//! Custom parts of a trial: estimators, policies and sensors that are not built in.
 
 use std::sync::Arc;
 
@@ -13,17 +13,16 @@ use crate::odometry::WheelSensor;
 use crate::policy::ExplorationPolicy;
 use crate::slam::Slam;
 
-/// What a part may know when it is made.
+/// What a part gets to know when it is made.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup<'a> {
     /// The robot, its laser and wheels, the time limit and the seed.
     pub settings: &'a TrialSettings,
-    /// Where the robots start, in the map's frame.
+    /// The poses where the robots start, in the map's frame.
     pub starts: &'a [Pose],
     /// The area to map, in the map's frame: the bounds of the world.
     pub area: Rect,
-    /// The doors, people and smoke at the start, for the robot backend; `None` where nothing moves. Other parts
-    /// are not given it.
+    /// The doors, people and smoke at the start, for the robot backend only; `None` if nothing moves.
     pub scenario: Option<&'a ScenarioState>,
 }
 
@@ -31,9 +30,9 @@ pub struct Setup<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PartRole {
-    /// Estimates poses and the map.
+    /// Estimates the poses and the map.
     Slam,
-    /// Decides where to go.
+    /// Decides where the robots go.
     #[serde(rename = "operator", alias = "policy")]
     Policy,
     /// Turns exact ranges into scans.
@@ -43,7 +42,7 @@ pub enum PartRole {
 }
 
 impl PartRole {
-    /// The role in words.
+    /// Returns the role in words.
     pub fn text(self) -> &'static str {
         match self {
             PartRole::Slam => "SLAM",
@@ -54,23 +53,23 @@ impl PartRole {
     }
 }
 
-/// A part that was plugged in, as logs and reports name it: only its author can make it again.
+/// A custom part as logs and reports name it. They cannot make the part again.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForeignPart {
     /// Its role.
     pub role: PartRole,
-    /// Its name, as the part gives it.
+    /// Its name, as returned by the part.
     pub name: String,
 }
 
-/// A maker of one part.
+/// A function that makes one part.
 type Make<T> = Arc<dyn Fn(&Setup<'_>) -> Box<T> + Send + Sync>;
 
-/// A maker of one part per robot, from the robot's number.
+/// A function that makes one part per robot, given the robot's number.
 type MakeEach<T> = Arc<dyn Fn(&Setup<'_>, usize) -> Box<T> + Send + Sync>;
 
-/// Makers of the parts that replace built-in ones, and of an observer, for any number of trials.
+/// Functions that make the custom parts of a trial, and an observer, for any number of trials.
 #[derive(Clone, Default)]
 pub struct TrialParts {
     slam: Option<Make<dyn Slam + Send + Sync>>,
@@ -81,7 +80,7 @@ pub struct TrialParts {
 }
 
 impl TrialParts {
-    /// With an estimator made by `make`, in place of the settings' own.
+    /// Makes the estimator with `make`, in place of the one of the settings.
     #[must_use]
     pub fn slam<S: Slam + Send + Sync + 'static>(
         mut self,
@@ -91,7 +90,7 @@ impl TrialParts {
         self
     }
 
-    /// With a policy made by `make`, in place of the settings' own.
+    /// Makes the policy with `make`, in place of the one of the settings.
     #[must_use]
     pub fn policy<O: ExplorationPolicy + Send + Sync + 'static>(
         mut self,
@@ -101,8 +100,8 @@ impl TrialParts {
         self
     }
 
-    /// With a laser made by `make` for each robot's number (from 0), in place of the settings' error
-    /// model.
+    /// Makes the laser of each robot with `make`, given the robot's number (from 0), in place of the
+    /// error model of the settings.
     #[must_use]
     pub fn laser<L: LaserSensor + Send + Sync + 'static>(
         mut self,
@@ -112,8 +111,8 @@ impl TrialParts {
         self
     }
 
-    /// With a wheel sensor made by `make` for each robot's number (from 0), in place of the settings'
-    /// error model.
+    /// Makes the wheel sensor of each robot with `make`, given the robot's number (from 0), in place of
+    /// the error model of the settings.
     #[must_use]
     pub fn odometry<W: WheelSensor + Send + Sync + 'static>(
         mut self,
@@ -123,8 +122,8 @@ impl TrialParts {
         self
     }
 
-    /// With an observer made by `make`, which watches the trial. It is not a part that logs and reports name,
-    /// since it changes nothing.
+    /// Makes an observer of the trial with `make`. Logs and reports do not name it, since it changes
+    /// nothing.
     #[must_use]
     pub fn observer<O: TrialObserver + Send + Sync + 'static>(
         mut self,
@@ -134,7 +133,7 @@ impl TrialParts {
         self
     }
 
-    /// Whether a part is plugged in for a role.
+    /// Returns whether a custom part is plugged in for a role.
     pub fn has(&self, role: PartRole) -> bool {
         match role {
             PartRole::Slam => self.slam.is_some(),
@@ -144,7 +143,7 @@ impl TrialParts {
         }
     }
 
-    /// The sensors of a robot by its number: those plugged in, else the built-in ones.
+    /// Makes the sensors of a robot, given its number: those plugged in, or else the built-in ones.
     pub(super) fn make_sensors(&self, setup: &Setup<'_>, robot: usize) -> Sensors {
         let TrialSettings { laser, odometry, seed, .. } = setup.settings;
         let mut sensors = Sensors::new(laser, odometry, *seed, robot as u64);
@@ -182,7 +181,7 @@ impl TrialParts {
         self.observer.as_ref().map(|make| make(setup))
     }
 
-    /// The names of the plugged-in parts; all robots have equal sensors.
+    /// Returns the names of the plugged-in parts. All robots have equal sensors.
     pub(super) fn foreign(
         &self,
         slam: &dyn Slam,

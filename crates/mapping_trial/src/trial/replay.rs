@@ -1,4 +1,4 @@
-//! Running a trial again from its log, to the last bit.
+//! Replays of trials from their logs, to the last bit.
 
 use envgen::World;
 
@@ -14,8 +14,8 @@ use crate::backend::{Command, RobotBackend};
 use crate::flat::FlatSimulator;
 
 impl TrialLog {
-    /// Runs a trial of the flat simulator again, to the last bit. If [`TrialLog::foreign`] names
-    /// SLAM or sensors, the settings' own make poses and map instead.
+    /// Replays a trial of the flat simulator to the last bit. If [`TrialLog::foreign`] names SLAM or
+    /// sensors, the built-in parts of the settings make poses and map instead.
     ///
     /// # Errors
     ///
@@ -31,12 +31,12 @@ impl TrialLog {
         Ok(trial)
     }
 
-    /// Builds a trial that is ready to run the log again, in the log's world. `build` may plug in the
-    /// parts that [`TrialLog::foreign`] names, and builds the trial.
+    /// Builds a trial that is ready to replay the log in the log's world. `build` builds the trial, and
+    /// may plug in the parts that [`TrialLog::foreign`] names.
     ///
     /// # Errors
     ///
-    /// Any error of `build`; a world that is not the log's.
+    /// If the world is not the log's, or if `build` fails.
     pub fn replay_with<'w, B: RobotBackend>(
         &self,
         world: &'w World,
@@ -61,7 +61,7 @@ impl TrialLog {
         Ok(trial)
     }
 
-    /// Gives a trial made by [`TrialLog::replay_with`] all of the log's commands.
+    /// Gives all of the log's commands to a trial that [`TrialLog::replay_with`] has built.
     ///
     /// # Errors
     ///
@@ -71,7 +71,7 @@ impl TrialLog {
         self.run_through_with(trial, |_| ())
     }
 
-    /// The same, with a call of `progress` after every tick.
+    /// Does the same as [`TrialLog::run_through`], and calls `progress` after every tick.
     ///
     /// # Errors
     ///
@@ -85,7 +85,8 @@ impl TrialLog {
         let mut doors = self.door_commands.iter().enumerate().peekable();
         let mut command_doors = |trial: &mut Trial<B>, tick: u64| {
             while let Some((i, given)) = doors.next_if(|(_, given)| given.tick <= tick) {
-                // A log names doors of its scenario; a backend of one's own may have none that obey.
+                // The log names doors of its scenario, but a custom backend may not take commands to
+                // doors.
                 let obeyed = trial.command_door(given.door, given.command);
                 obeyed.map_err(|error| error.within(&format!("door_commands[{i}]")))?;
             }
@@ -103,7 +104,7 @@ impl TrialLog {
         if self.ends.iter().any(stopped) {
             trial.stop();
         } else if self.ends.iter().all(Option::is_some) {
-            // The last observation, after which there was no decision any more.
+            // This processes the last observation, after which there was no decision.
             trial.step_with(&[]);
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! The report of a trial, as it is written to a file.
+//! The report of a trial, which is written to a file.
 
 use envgen::calibration::Dials;
 use envgen::scenario::Scenario;
@@ -19,13 +19,13 @@ pub const REPORT_VERSION: u32 = 2;
 
 /// The report of a trial: its world, its settings, and its scores.
 ///
-/// It holds no wall time: the same trial gives the same report to the last byte.
+/// It holds no wall-clock time, so that the same trial gives the same report to the last byte.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialReport {
-    /// [`REPORT_VERSION`].
+    /// Version of the layout, which is [`REPORT_VERSION`].
     pub version: u32,
-    /// Where the world comes from.
+    /// The provenance of the world.
     pub world: Provenance,
     /// Digest of the world's geometry.
     pub world_digest: String,
@@ -33,31 +33,32 @@ pub struct TrialReport {
     pub log_digest: String,
     /// The settings of the trial.
     pub settings: TrialSettings,
-    /// What each robot did.
+    /// The results of each robot.
     pub robots: Vec<RobotReport>,
-    /// The doors, people and smoke; absent where nothing moved.
+    /// The doors, people and smoke; absent if nothing moved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scenario: Option<Scenario>,
     /// The parts that were plugged in, in place of those that the settings name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
-    /// Why the policy failed; absent if it did not.
+    /// Why the policy failed; absent if it did not fail.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
-    /// The scores: how well the world was mapped, and how difficult that was.
+    /// The scores: the quality of the map, and the difficulty of the world.
     pub scores: Scores,
-    /// The form of Zwennes (2011), appendix B, as filled by the operator; `None` until a person fills it.
+    /// The form of Zwennes (2011), appendix B: filled by the operator, or from measurements if a policy
+    /// drove; `None` if nobody has filled it.
     pub feedback: Option<Feedback>,
 }
 
 impl TrialReport {
-    /// The answers to the form's questions about the session, as far as the report knows them.
+    /// Returns the answers to the form's questions about the session, as far as the report knows them.
     pub fn session(&self) -> Session {
         Session::new(&self.world.name(), self.robots.len(), &self.settings.body)
     }
 
-    /// Whether the ratings of its form are its own scores D, M and N, as they are where a program drove and nobody filled
-    /// the form.
+    /// Returns whether the ratings of the form are the report's own scores D, M and N. They are if a
+    /// program drove and nobody filled the form.
     pub fn is_form_measured(&self) -> bool {
         let Scores { difficulty, mapping, navigation, .. } = self.scores;
         let scores = Dials { difficulty, mapping, navigation };
@@ -65,30 +66,30 @@ impl TrialReport {
     }
 }
 
-/// What one robot did.
+/// The results of one robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotReport {
     /// Why its part ended; `None` if it had not ended.
     pub end: Option<EndReason>,
-    /// Simulated seconds until then.
+    /// Simulated time until then, in seconds.
     pub time: f64,
     /// Path length in metres.
     pub distance: f64,
     /// Turning in radians, left and right added.
     pub turning: f64,
-    /// Number of collisions, `hits` in files.
+    /// Number of collisions. Its name in files is `hits`.
     #[serde(rename = "hits")]
     pub collisions: u32,
     /// Number of recoveries.
     pub recoveries: u32,
-    /// Distance in metres of the last estimated position from the true one.
+    /// Distance in metres between the last estimated position and the true one.
     #[serde(default)]
     pub pose_error: f64,
 }
 
 impl<B: RobotBackend> Trial<B> {
-    /// The report of the trial so far, with the form filled from measurements if a policy drove.
+    /// Returns the report of the trial so far. If a policy drove, the form is filled from measurements.
     ///
     /// # Errors
     ///

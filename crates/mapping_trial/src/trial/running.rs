@@ -1,4 +1,4 @@
-//! A running trial: its clock, the battery, and what ends it.
+//! A running trial: its clock, its battery and its end conditions.
 
 use envgen::geometry::{Pose, wrap_angle};
 use envgen::scenario::{DoorCommand, GivenDoorCommand, Scenario};
@@ -19,13 +19,13 @@ use crate::policy::{Decision, ExplorationPolicy};
 use crate::robot::Robot;
 use crate::score::{Reference, RunSummary, ScoreError, Scores, SweptCells, TrajectoryPair};
 
-/// Ticks between two looks at where people and leaves are.
+/// Number of ticks between two samples of the positions of people and door leaves.
 const TICKS_PER_SAMPLE: u64 = 10;
 
-/// The motion of one robot.
+/// The true motion of one robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
-    /// True poses after every tick, the start first. A robot whose part has ended does not move.
+    /// True poses: the start, and one after every tick. A robot whose part has ended does not move.
     pub poses: Vec<Pose>,
     /// Path length in metres.
     pub distance: f64,
@@ -56,7 +56,7 @@ pub struct Trial<B> {
     pub(super) world_digest: String,
     pub(super) clock: Clock,
     pub(super) ends: Vec<Option<RobotEnd>>,
-    /// Which robots last found that nothing is left to explore.
+    /// Whether each robot last found that nothing is left to explore.
     pub(super) finished: Vec<bool>,
     pub(super) tracks: Vec<Trajectory>,
     pub(super) commands: Vec<CommandLog>,
@@ -64,11 +64,11 @@ pub struct Trial<B> {
     /// What a replayed log knows of its policy.
     pub(super) script: Option<Script>,
     pub(super) over: bool,
-    /// What moves in the world, and where it was.
+    /// The scenario, and the cells where its parts were.
     pub(super) scenario: Option<Box<(Scenario, SweptCells)>>,
 }
 
-/// Why a robot's part ends whatever it decides; `None` while it can drive.
+/// Why a robot's part ends, whatever it decides; `None` while it can drive.
 fn lost(condition: Condition) -> Option<EndReason> {
     match condition {
         Condition::Operational => None,
@@ -78,12 +78,12 @@ fn lost(condition: Condition) -> Option<EndReason> {
 }
 
 impl<B: RobotBackend> Trial<B> {
-    /// One tick, driven by the policy; false once the trial is over.
+    /// Runs one tick, in which the policy drives. Returns false once the trial is over.
     pub fn step(&mut self) -> bool {
         self.tick(None)
     }
 
-    /// One tick with a person's commands, one per robot; false once the trial is over.
+    /// Runs one tick with a person's commands, one per robot. Returns false once the trial is over.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -113,12 +113,13 @@ impl<B: RobotBackend> Trial<B> {
         true
     }
 
-    /// The first half of a tick, for backends that are moved from outside: takes in what each robot
-    /// observes, and returns each one's command; `None` once the trial is over. The commands are
-    /// those of `manual`, one per robot, or the policy's.
+    /// Runs the first half of a tick, for backends that are moved from outside: processes the
+    /// observation of each robot, and returns a command for each; `None` once the trial is over. The
+    /// commands are those of `manual`, one per robot, or else the policy's.
     ///
-    /// When the robots have moved for a [`TICK`](crate::backend::TICK), [`Trial::record`] is the second half.
-    /// [`Trial::step`] does both, with [`RobotBackend::advance`] in between.
+    /// [`Trial::record`] is the second half, after the robots have moved for a
+    /// [`TICK`](crate::backend::TICK). [`Trial::step`] runs both halves, with [`RobotBackend::advance`]
+    /// in between.
     pub fn command(&mut self, manual: Option<&[Command]>) -> Option<Vec<Command>> {
         if self.over {
             return None;
@@ -165,12 +166,12 @@ impl<B: RobotBackend> Trial<B> {
             };
             self.ends[robot] = end.map(|reason| RobotEnd { reason, tick: self.clock.ticks() });
         }
-        // A policy that fails has no commands for any robot.
+        // A policy that has failed has no command for any robot.
         if has_failed {
             self.end(EndReason::Failed);
             return None;
         }
-        // A robot that has nothing left to do waits for the others, which may find more for it.
+        // A robot that has nothing left to explore waits for the others, which may find more for it.
         let mut robots = self.ends.iter().zip(&self.finished);
         if robots.all(|(end, &finished)| end.is_some() || finished) {
             self.end(EndReason::Explored);
@@ -182,7 +183,7 @@ impl<B: RobotBackend> Trial<B> {
         Some(commands)
     }
 
-    /// The second half of a tick, after [`Trial::command`]: records where the robots are now.
+    /// Runs the second half of a tick, after [`Trial::command`]: records where the robots are now.
     pub fn record(&mut self) {
         self.clock.advance();
         for (robot, track) in self.tracks.iter_mut().enumerate() {
@@ -201,8 +202,10 @@ impl<B: RobotBackend> Trial<B> {
         }
     }
 
-    /// Opens, closes or slams a door of its scenario, which begins with the next tick; the log holds it. The flat
-    /// simulator obeys; trials in Bevy take commands by the components of their doors instead.
+    /// Opens, closes or slams a door of the scenario, from the next tick on. The log holds the command.
+    ///
+    /// The flat simulator carries it out. Trials in Bevy take commands through the components of their
+    /// doors instead.
     ///
     /// ```
     /// use envgen::scenario::{DoorCommand, DoorControl, Scenario, ScenarioSpec};
@@ -227,12 +230,13 @@ impl<B: RobotBackend> Trial<B> {
     /// ```
     ///
     /// # Errors
-    /// When there is no such door, or the robot backend takes no commands to doors.
+    ///
+    /// If there is no such door, or if the robot backend takes no commands to doors.
     pub fn command_door(&mut self, door: usize, command: DoorCommand) -> Result<(), SpecError> {
         self.bodies.command_door(door, command)
     }
 
-    /// What moves in its world; `None` where nothing does.
+    /// Returns what moves in the world; `None` if nothing does.
     pub fn scenario(&self) -> Option<&Scenario> {
         self.scenario.as_ref().map(|moving| &moving.0)
     }
@@ -251,58 +255,58 @@ impl<B: RobotBackend> Trial<B> {
         }
     }
 
-    /// Simulated seconds so far.
+    /// Returns the simulated time so far, in seconds.
     pub fn time(&self) -> f64 {
         self.clock.time()
     }
 
-    /// Number of robots.
+    /// Returns the number of robots.
     pub fn robots(&self) -> usize {
         self.starts.len()
     }
 
-    /// The settings of the trial.
+    /// Returns the settings of the trial.
     pub fn settings(&self) -> &TrialSettings {
         &self.settings
     }
 
-    /// SLAM and the policy.
+    /// Returns the autonomy: SLAM and the policy.
     pub fn autonomy(&self) -> &Autonomy {
         &self.autonomy
     }
 
-    /// The robot backend, to move it between [`Trial::command`] and [`Trial::record`].
+    /// Returns the robot backend, to move it between [`Trial::command`] and [`Trial::record`].
     pub fn bodies_mut(&mut self) -> &mut B {
         &mut self.bodies
     }
 
-    /// The robot backend.
+    /// Returns the robot backend.
     pub fn bodies(&self) -> &B {
         &self.bodies
     }
 
-    /// A robot's motion so far.
+    /// Returns a robot's true motion so far.
     pub fn trajectory(&self, robot: usize) -> &Trajectory {
         &self.tracks[robot]
     }
 
-    /// Distance in metres of a robot's estimated position from its true one.
+    /// Returns the distance in metres between a robot's estimated and true positions.
     pub fn pose_error(&self, robot: usize) -> f64 {
         let (estimated, truth) = (self.autonomy.slam().estimate(robot), self.bodies.pose(robot));
         estimated.pose.position.distance(truth.position)
     }
 
-    /// Why and when a robot's part ended; `None` while it continues.
+    /// Returns why and when a robot's part ended; `None` while it continues.
     pub fn end_of(&self, robot: usize) -> Option<RobotEnd> {
         self.ends[robot]
     }
 
-    /// Whether the trial is over.
+    /// Returns whether the trial is over.
     pub fn is_over(&self) -> bool {
         self.over
     }
 
-    /// Number of recoveries of a robot so far.
+    /// Returns the number of recoveries of a robot so far.
     pub fn recoveries(&self, robot: usize) -> u32 {
         match (&self.script, self.autonomy.policy()) {
             (Some(script), _) => script.recoveries(robot),
@@ -311,18 +315,18 @@ impl<B: RobotBackend> Trial<B> {
         }
     }
 
-    /// The parts that were plugged in, in place of those that the settings name.
+    /// Returns the parts that were plugged in, in place of those that the settings name.
     pub fn foreign(&self) -> &[ForeignPart] {
         &self.foreign
     }
 
-    /// Why the policy failed; `None` while it works.
+    /// Returns why the policy failed; `None` while it works.
     pub fn failure(&self) -> Option<&str> {
         self.autonomy.policy().and_then(ExplorationPolicy::failure)
     }
 
-    /// The mappable area of the trial's world from its start: the reference for its scores. Trials
-    /// with the same start, world and robot may share it.
+    /// Computes the mappable area of the trial's world from its start, which is the reference for its
+    /// scores. Trials with the same start, world and robot may share it.
     ///
     /// # Errors
     ///
@@ -331,17 +335,17 @@ impl<B: RobotBackend> Trial<B> {
         Reference::from_start(world, &self.settings.body, self.starts[0].position)
     }
 
-    /// Scores the trial so far, against the mappable area of its world.
+    /// Scores the trial so far against the mappable area of its world.
     ///
     /// # Errors
     ///
-    /// A mappable area of another start or robot; poses or counts that this crate's parts never give.
+    /// If the mappable area is for another start or robot, or if a custom part returned poses or counts
+    /// that cannot be scored.
     pub fn score(&self, truth: &Reference) -> Result<Scores, ScoreError> {
         self.score_of(truth, &self.estimated_tracks()?)
     }
 
-    /// Each robot's estimated poses, one for each of its true ones as far as they go: robots whose
-    /// part has ended are not estimated any more.
+    /// Returns each robot's estimated poses, one for each of its true poses until its part has ended.
     pub(super) fn estimated_tracks(&self) -> Result<Vec<Vec<Pose>>, ScoreError> {
         let estimated = |robot| {
             let trajectory = self.autonomy.slam().trajectory(robot);
@@ -349,7 +353,7 @@ impl<B: RobotBackend> Trial<B> {
             if found != expected {
                 return Err(ScoreError::Trajectory { robot, found, expected });
             }
-            // The first estimate is the start and the second the first observation's, before any
+            // The first estimate is the start, and the second that of the first observation, before any
             // motion.
             Ok(trajectory[1..].to_vec())
         };
@@ -378,7 +382,7 @@ impl<B: RobotBackend> Trial<B> {
         if (found, found_radius) != (start, radius) {
             return Err(ScoreError::Reference { found, found_radius, start, radius });
         }
-        // A time limit by area has charged the battery.
+        // A time limit by area may have changed the battery.
         if *truth.robot() != (Robot { battery: truth.robot().battery, ..body.clone() }) {
             return Err(ScoreError::OtherRobot);
         }

@@ -2,7 +2,7 @@
 
 use super::end::{EndReason, RobotEnd};
 
-/// What a log knows of a policy that is not asked again.
+/// What a log knows of a policy, which is not asked again in a replay.
 #[derive(Clone, Debug)]
 pub(super) struct Script {
     pub(super) ends: Vec<Option<RobotEnd>>,
@@ -10,7 +10,7 @@ pub(super) struct Script {
 }
 
 impl Script {
-    /// Why a robot's part ends at a tick; a stop by a person is not in the script.
+    /// Returns why a robot's part ends at a tick. A stop by a person is not in the script.
     pub(super) fn end_at(&self, robot: usize, tick: u64) -> Option<EndReason> {
         let end = (*self.ends.get(robot)?)?;
         (end.tick == tick && end.reason != EndReason::Stopped).then_some(end.reason)

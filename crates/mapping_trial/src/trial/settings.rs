@@ -11,15 +11,15 @@ use crate::robot::Robot;
 use crate::setting_limits::{MAX_TIME_LIMIT, number};
 use crate::slam::{SlamKind, WheelCalibration};
 
-/// Least time limit in seconds that follows from [`TrialSettings::time_per_area`].
+/// Least time limit in seconds that [`TrialSettings::time_per_area`] gives.
 pub const MIN_TIME_BY_AREA: f64 = 300.0;
 
 /// Greatest number of robots in a trial.
 pub const MAX_ROBOTS: u32 = 8;
 
 settings! {
-    /// Everything that a trial depends on except its world. The default is one P3-AT with an LMS 200,
-    /// `scan_to_map` and the policy `nearest` for 20 minutes.
+    /// Everything that a trial depends on except its world. By default one P3-AT with an LMS 200 drives
+    /// for 20 minutes, with `scan_to_map` and the policy `nearest`.
     ///
     /// ```
     /// use mapping_trial::{slam::SlamKind, trial::TrialSettings};
@@ -33,12 +33,13 @@ settings! {
     pub struct TrialSettings {
         /// Seed of the sensor noise.
         seed: Seed = Seed(0) => other("", "a whole number");
-        /// The exploration policy that drives, `operator` in files; none for a person.
+        /// The exploration policy that drives; none if a person drives. Its name in files is
+        /// `operator`.
         #[serde(rename = "operator", alias = "policy")]
         policy: Option<PolicyKind> = Some(PolicyKind::Nearest) => optional_other("", "a policy's name");
-        /// How poses and map are estimated.
+        /// The estimator of poses and map.
         slam: SlamKind = SlamKind::ScanToMap => other("", "an estimator's name");
-        /// Which systematic errors of the wheels are learned.
+        /// The systematic errors of the wheels that are learned.
         #[serde(skip_serializing_if = "WheelCalibration::is_default")]
         wheel_calibration: WheelCalibration = WheelCalibration::Turns =>
             other("", "none, turns or turns_and_distances");
@@ -46,24 +47,24 @@ settings! {
         robots: u32 = 1 => integer("", 1..=MAX_ROBOTS as u64);
         /// Simulated time after which the trial ends.
         time_limit: f64 = 1200.0 => number("s", 0.05..=MAX_TIME_LIMIT);
-        /// Simulated time per square metre that can be mapped after which the trial ends, in place of
-        /// `time_limit`: at least 300 s in all. The battery lasts at least as long.
+        /// Time limit per square metre that can be mapped, in place of `time_limit`: at least 300 s in
+        /// all. The battery lasts at least as long.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         time_per_area: Option<f64> = None => number("s/m^2", 0.01..=1000.0);
-        /// Where the first robot starts, in metres and radians; none is the world's own start.
+        /// Start pose of the first robot, in metres and radians; if none, the world's own start.
         start: Option<Pose> = None => optional_other("", "a pose");
         /// Size and limits of the robots.
         body: Robot = Robot::default() => nested;
-        /// What their lasers measure.
+        /// Profile of the robots' lasers.
         laser: LaserProfile = LaserProfile::default() => nested;
-        /// What their wheels measure.
+        /// Errors of the robots' wheel odometry.
         odometry: OdometryProfile = OdometryProfile::default() => nested;
     }
 }
 
 impl TrialSettings {
     /// Sets the time limit, and the least charge of the battery, for an area in square metres that can
-    /// be mapped, if [`TrialSettings::time_per_area`] asks for that.
+    /// be mapped, if [`TrialSettings::time_per_area`] is set.
     pub(super) fn limit_time(&mut self, area: f64) {
         if let Some(per_area) = self.time_per_area {
             self.time_limit = (per_area * area).clamp(MIN_TIME_BY_AREA, MAX_TIME_LIMIT);
@@ -75,7 +76,7 @@ impl TrialSettings {
     ///
     /// # Errors
     ///
-    /// The first field whose value is not allowed.
+    /// Names the first field whose value is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         if let Some(start) = self.start {

@@ -1,4 +1,4 @@
-//! Where robots start.
+//! The poses where robots start.
 
 use envgen::World;
 use envgen::clearance_index::ClearanceIndex;
@@ -16,8 +16,8 @@ const APART: f64 = 1.0;
 /// Greatest distance of other starts from the first robot's, in metres.
 const FAR: f64 = 8.0;
 
-/// A start for each robot: the first at `start`, the others near it, in its sight, with the same
-/// heading.
+/// Returns a start for each robot: the first at `start`, the others near it and in its sight, with the
+/// same heading.
 pub(super) fn starts(
     world: &World,
     start: Pose,
@@ -43,13 +43,13 @@ pub(super) fn starts(
         let offset = p - start.position;
         rays.cast_along(start.position, offset.normalize(), offset.length()).is_none()
     };
-    // Rings of candidates, from behind the first robot round to its front.
+    // Candidates are on rings, from behind the first robot round to its front.
     let step = 0.25;
     let rings = (1..=(FAR / step) as u32).map(|ring| f64::from(ring) * step);
     let mut places = rings.flat_map(|far| {
         let turns = (std::f64::consts::TAU * far / step).ceil() as i32;
         (0..turns).map(move |i| {
-            // Left and right in turn: 0, 1, -1, 2, -2, ...
+            // Left and right alternate: 0, 1, -1, 2, -2, ...
             let side = f64::from((i + 1) / 2) * if i % 2 == 0 { 1.0 } else { -1.0 };
             let angle = start.heading + std::f64::consts::PI;
             let angle = angle + side * std::f64::consts::TAU / f64::from(turns);

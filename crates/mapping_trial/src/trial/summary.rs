@@ -1,13 +1,14 @@
-//! A report in words.
+//! Summaries of reports in words.
 
 use super::{PartRole, RobotReport, TrialReport};
 use crate::names::Named;
 
-/// Distance in metres of the last estimated position from the true one above which a summary states it.
+/// Error in metres of the last estimated position above which a summary states it.
 pub(crate) const LOST: f64 = 0.5;
 
 impl TrialReport {
-    /// What drove, and with which parts: `nearest with scan_to_map and lms200_mm, 434 m^2 to map`.
+    /// Returns what drove, and with which parts:
+    /// `nearest with scan_to_map and lms200_mm, 434 m^2 to map`.
     pub fn headline(&self) -> String {
         let name = |role, built_in: Option<&'static str>| {
             let part = self.foreign.iter().find(|part| part.role == role);
@@ -26,8 +27,9 @@ impl TrialReport {
 }
 
 impl RobotReport {
-    /// The result of the robot: `time up after 1200 s, 226 m, 105 rad, 0 collisions, 2 recoveries`. A robot
-    /// whose estimated position ends more than 0.5 m from the true one is said to be lost.
+    /// Returns the result of the robot:
+    /// `time up after 1200 s, 226 m, 105 rad, 0 collisions, 2 recoveries`. A robot whose last estimated
+    /// position is more than 0.5 m from the true one is called lost.
     pub fn summary(&self) -> String {
         let mut text = format!(
             "{} after {:.0} s, {:.0} m, {:.0} rad, {} collisions, {} recoveries",
