@@ -1,14 +1,14 @@
-//! The motion of the plane that brings one trajectory nearest to another.
+//! Alignment: the rigid motion of the plane that brings one trajectory nearest to another.
 
 use envgen::geometry::Pose;
 use glam::DVec2;
 
 use super::trajectory_pair::TrajectoryPair;
 
-/// The pose of the estimate's frame in the world's with which the squared errors of the positions are least, without
-/// a change of scale (Umeyama, Least-squares estimation of transformation parameters between two point patterns, IEEE
-/// TPAMI 13, 1991, <https://doi.org/10.1109/34.88573>, in the plane). Without poses it is the frame itself; where
-/// no turn is better than another, it is a shift.
+/// Returns the pose of the estimate's frame in the world's frame for which the squared position errors
+/// are least, without a change of scale (Umeyama, Least-squares estimation of transformation parameters
+/// between two point patterns, IEEE TPAMI 13, 1991, <https://doi.org/10.1109/34.88573>, in the plane).
+/// Without poses it is the identity. If no rotation is better than another, it is a translation.
 ///
 /// ```
 /// use envgen::geometry::Pose;

@@ -1,12 +1,12 @@
-//! Why a run has no scores.
+//! Errors of scoring.
 
 use glam::DVec2;
 use thiserror::Error;
 
-/// The greatest coordinate of a pose in metres, and heading in radians.
+/// Greatest coordinate of a pose in metres, and greatest heading in radians.
 pub(super) const MAX_POSITION: f64 = 1e9;
 
-/// Why a run has no scores.
+/// An error for which a run has no scores.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ScoreError {
@@ -15,9 +15,9 @@ pub enum ScoreError {
     Lengths {
         /// The robot.
         robot: usize,
-        /// True poses.
+        /// Number of true poses.
         truth: usize,
-        /// Estimated poses.
+        /// Number of estimated poses.
         estimated: usize,
     },
     /// An estimator's trajectory does not have a pose for each step.
@@ -40,7 +40,7 @@ pub enum ScoreError {
         /// The tick.
         tick: usize,
     },
-    /// The mappable area was computed for another start or robot.
+    /// The mappable area is for another start or robot.
     #[error(
         "the mappable area is for a robot of {found_radius} m that starts at ({}, {}), \
          the trial's has {radius} m and starts at ({}, {}): use `Trial::reference`",
@@ -56,7 +56,7 @@ pub enum ScoreError {
         /// Radius in metres of the trial's robot.
         radius: f64,
     },
-    /// The mappable area was computed for a robot of another height, speed, laser or other property.
+    /// The mappable area is for a robot of another height, speed, laser or other property.
     #[error(
         "the mappable area is for another robot than that of the trial: use `Trial::reference`"
     )]

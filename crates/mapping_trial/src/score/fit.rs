@@ -1,4 +1,4 @@
-//! The frame in which a map matches a world best.
+//! Fitting: the frame in which a map matches a world best.
 
 use envgen::geometry::{Pose, wrap_angle};
 use glam::DVec2;
@@ -6,24 +6,25 @@ use glam::DVec2;
 use crate::map::{CellIndex, DECIDED, OccupancyMap, TILE};
 use crate::mappable_area::{MappableArea, SCORE_CELL};
 
-/// First and last steps of the search, in metres and radians.
+/// First and last step size of the search, in metres and radians.
 const FIRST: (f64, f64) = (0.64, 0.16);
 const LAST_SHIFT: f64 = 0.005;
 
-/// Distance in metres to the nearest wall beyond which a wall of the map does not count.
+/// Distance in metres to the nearest wall from which a wall of the map does not count.
 const REACH: f64 = 1.0;
 
-/// The most walls of the map that are compared, evenly spaced over it.
+/// Greatest number of the map's wall points that are compared, evenly spaced over it.
 const MOST_POINTS: usize = 4000;
 
-/// The most steps at one size.
+/// Greatest number of steps of one size.
 const MOST_STEPS: usize = 200;
 
-/// The pose of a map's frame in the world's, near to a first guess, in which its walls are nearest to the world's.
+/// Returns the pose of a map's frame in the world's frame for which the map's walls are nearest to the
+/// world's, near a first guess.
 ///
-/// `map` is in its own frame. From the guess the search goes uphill, in steps that become smaller: it finds a
-/// frame that is up to about a metre and ten degrees away, and of those that look alike the first. A map without
-/// walls stays where it is.
+/// `map` is in its own frame. From the guess, the search climbs in steps that become smaller. It finds
+/// a frame that is up to about a metre and ten degrees away; of frames that look alike, it finds the
+/// first. A map without walls stays where it is.
 ///
 /// ```
 /// use envgen::geometry::Pose;
@@ -39,7 +40,7 @@ const MOST_STEPS: usize = 200;
 /// ```
 pub fn fit(truth: &MappableArea, map: &OccupancyMap, guess: Pose) -> Pose {
     let points = walls(map);
-    // Turning about the middle of the walls does not shift them.
+    // Rotation about the middle of the walls does not shift them.
     let middle = points.iter().sum::<DVec2>() / points.len().max(1) as f64;
     let closeness = |at: Pose| -> f64 {
         let to_world = at.local_to_world();

@@ -1,4 +1,4 @@
-//! How good a map is, whoever made it, and how good a trajectory.
+//! Scores of a map, whoever made it, and of trajectories.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,35 +16,36 @@ use crate::mappable_area::MappableArea;
 /// Distances in metres up to which a wall counts as mapped in its place.
 const TOLERANCES: [f64; 2] = [0.30, 0.15];
 
-/// The scores of a map alone; the fields are those of [`Scores`](super::Scores).
+/// The scores of a map alone. The fields are those of [`Scores`](super::Scores).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapScores {
-    /// 1 - F1 at 0.30 m.
+    /// Wall error: 1 - F1 at 0.30 m.
     pub e_wall: f64,
-    /// 1 - U', with a margin of a cell of the map.
+    /// Usability error: 1 - U', with a margin of one cell of the map.
     pub e_use: f64,
-    /// 1 - C.
+    /// Coverage error: 1 - C.
     pub e_cov: f64,
-    /// C: share of F that the map shows as free.
+    /// C: fraction of F that the map shows as free.
     pub coverage: f64,
-    /// Share of the map's occupied cells that are within 0.30 m of a wall that can be seen from F.
+    /// Fraction of the map's occupied cells that are within 0.30 m of a wall that can be seen from F.
     pub precision_30: f64,
-    /// Share of those walls that are within 0.30 m of an occupied cell of the map.
+    /// Fraction of those walls that are within 0.30 m of an occupied cell of the map.
     pub recall_30: f64,
-    /// Harmonic mean of the two.
+    /// Harmonic mean of precision and recall within 0.30 m.
     pub f1_30: f64,
-    /// The same within 0.15 m.
+    /// Precision within 0.15 m.
     pub precision_15: f64,
-    /// The same within 0.15 m.
+    /// Recall within 0.15 m.
     pub recall_15: f64,
-    /// The same within 0.15 m.
+    /// Harmonic mean of precision and recall within 0.15 m.
     pub f1_15: f64,
     /// Mean distance in metres from the map's walls to the true ones and back, each at most 1 m.
     pub wall_distance: f64,
-    /// Share of the walls that the map shows twice.
+    /// Fraction of the walls that the map shows twice.
     pub ghosting: f64,
-    /// U: share of 40 paths, planned on the map and driven in the true world, that arrive without a collision.
+    /// U: fraction of 40 paths, planned on the map and driven in the true world, that arrive without a
+    /// collision.
     pub navigability: f64,
     /// Area of F in square metres.
     pub free_area: f64,
@@ -68,7 +69,7 @@ impl MapScores {
         MapScores::of_raster(truth, map, &Raster::of(truth, map), None)
     }
 
-    /// The same of a map whose raster is known; cells in which something moved do not count.
+    /// Scores a map whose raster is known. Cells in which something moved do not count.
     pub(super) fn of_raster(
         truth: &Reference,
         map: &OccupancyMap,
@@ -97,7 +98,8 @@ impl MapScores {
         }
     }
 
-    /// M, the difficulty of mapping from 0 to 10, of this map and the trajectory along which it was made.
+    /// Returns M, the difficulty of mapping from 0 to 10, for this map and the trajectory along which
+    /// it was made.
     pub fn mapping(&self, trajectory: &TrajectoryScores) -> f64 {
         let MapScores { e_wall, e_use, e_cov, .. } = *self;
         let parts = Parts { e_wall, e_use, e_cov, e_pose: trajectory.e_pose, ..Parts::default() };
@@ -105,23 +107,24 @@ impl MapScores {
     }
 }
 
-/// The scores of estimated trajectories; the fields are those of [`Scores`](super::Scores).
+/// The scores of estimated trajectories. The fields are those of [`Scores`](super::Scores).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryScores {
-    /// Drift of the pose, from 0 to 1.
+    /// Pose error: drift of the pose, from 0 to 1.
     pub e_pose: f64,
-    /// ATE: root mean square of the errors of position in metres over all poses.
+    /// Absolute trajectory error (ATE): root mean square of the position errors in metres over all
+    /// poses.
     pub trajectory_error: f64,
-    /// Root mean square error in metres of the position relative to that 1 m of path before; absent if no
-    /// robot drove that far.
+    /// Root mean square error in metres of the position relative to the pose 1 m of path before; absent
+    /// if no robot drove that far.
     pub relative_error_near: Option<f64>,
-    /// The same of the heading, in radians.
+    /// Root mean square error in radians of the heading relative to that pose.
     pub relative_turn_near: Option<f64>,
-    /// Root mean square error in metres of the position relative to that 20 m of path before; absent if no
-    /// robot drove that far.
+    /// Root mean square error in metres of the position relative to the pose 20 m of path before;
+    /// absent if no robot drove that far.
     pub relative_error_far: Option<f64>,
-    /// The same of the heading, in radians.
+    /// Root mean square error in radians of the heading relative to that pose.
     pub relative_turn_far: Option<f64>,
 }
 
@@ -150,7 +153,7 @@ impl TrajectoryScores {
         Ok(TrajectoryScores::of_checked(tracks))
     }
 
-    /// The same of trajectories that are checked already.
+    /// Scores trajectories that are already checked.
     pub(super) fn of_checked(tracks: &[TrajectoryPair<'_>]) -> Self {
         let trajectory_error = pose::absolute(tracks);
         let near = pose::relative(tracks, pose::NEAR);

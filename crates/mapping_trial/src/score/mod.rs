@@ -1,6 +1,7 @@
-//! How well a world was mapped, and how difficult that was: every component, and M, N and D.
+//! Scores of a run: how well a world was mapped, and how difficult that was, with every component and
+//! the scores M, N and D.
 //!
-//! Everything is compared in the start frame, without alignment: robots know where they start.
+//! Everything is compared in the start frame, without alignment, since robots know where they start.
 
 mod alignment;
 mod error;

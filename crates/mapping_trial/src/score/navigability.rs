@@ -1,5 +1,5 @@
-//! Whether a robot can navigate with a map: paths are planned on the map and driven in the true
-//! world.
+//! Navigability: whether a robot can navigate with a map. Paths are planned on the map and driven in
+//! the true world.
 
 use envgen::Seed;
 use glam::DVec2;
@@ -15,18 +15,18 @@ const STARTS: usize = 8;
 /// Goals per start: 40 paths in all.
 const GOALS: usize = 5;
 
-/// Points that are tried for each start and each goal until one can be reached with the perfect
+/// Number of points that are tried for each start and each goal until one can be reached on the perfect
 /// map.
 const TRIES: usize = 20;
 
-/// How far a path may end from its goal if the map has no free position for the robot there, in cells
-/// of the plan: 0.3 m.
+/// How far a path may end from its goal if the map has no free position for the robot there, in
+/// planning cells: 0.3 m.
 const SNAP: i32 = 3;
 
-/// Shortest piece of a path that is checked, in metres: how exactly a contact is found.
+/// Least piece of a path that is checked, in metres, which is the accuracy of finding contacts.
 const STEP: f64 = 0.01;
 
-/// Clearance is used up to so many metres: farther away the ground may be different.
+/// Greatest clearance in metres that is used at once, since the ground may be different farther away.
 const MOST_ROOM: f64 = 0.2;
 
 /// A start and its goals.
@@ -36,8 +36,8 @@ pub(crate) struct Trip {
     goals: Vec<DVec2>,
 }
 
-/// Draws starts and goals that are reached with the perfect map: if one fails on another map, the
-/// map is the cause. Fewer than 40 paths, or none, if the world is too small for them.
+/// Draws starts and goals that can be reached on the perfect map: if a path fails on another map, that
+/// map is the cause. There are fewer than 40 paths, or none, if the world is too small for them.
 pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) -> Vec<Trip> {
     let mut planner = Planner::new(truth, perfect);
     let free = truth.free().iter().enumerate().filter(|(_, free)| **free);
@@ -69,8 +69,8 @@ pub(crate) fn trips(truth: &MappableArea, perfect: &OccupancyMap, seed: Seed) ->
     trips
 }
 
-/// The share of paths that reach their goal without a collision, for the robot and for one that is
-/// smaller all around by a cell of the map; 1 if there are no paths.
+/// Returns the fraction of paths that reach their goal without a collision, for the robot and for one
+/// that is smaller all around by a cell of the map. It is 1 if there are no paths.
 pub(super) fn navigability(truth: &MappableArea, trips: &[Trip], map: &OccupancyMap) -> [f64; 2] {
     let mut planner = Planner::new(truth, map);
     let (mut arrived, mut all) = ([0_u32; 2], 0_u32);
@@ -87,7 +87,7 @@ pub(super) fn navigability(truth: &MappableArea, trips: &[Trip], map: &Occupancy
     arrived.map(|arrived| if all == 0 { 1.0 } else { f64::from(arrived) / f64::from(all) })
 }
 
-/// Plans on a map, as policies do.
+/// Plans paths on a map, as policies do.
 struct Planner {
     costmap: Costmap,
     search: GridPlanner,
@@ -100,8 +100,8 @@ impl Planner {
         Planner { costmap, search: GridPlanner::new() }
     }
 
-    /// The cheapest paths from a start to goals, as points to drive through; `None` for a goal that
-    /// cannot be reached.
+    /// Returns the cheapest paths from a start to goals, as points to drive through; `None` for a goal
+    /// that cannot be reached.
     fn paths(&mut self, start: DVec2, goals: &[DVec2]) -> Vec<Option<Vec<DVec2>>> {
         let goals: Vec<_> = goals.iter().map(|&goal| self.snap(goal)).collect();
         let mut left: Vec<Node> = goals.iter().copied().flatten().collect();
@@ -125,7 +125,7 @@ impl Planner {
         goals.into_iter().map(path).collect()
     }
 
-    /// The free position for the robot that is nearest to a point, according to the map.
+    /// Returns the free position for the robot that is nearest to a point by the map.
     fn snap(&mut self, p: DVec2) -> Option<Node> {
         let around = (-SNAP..=SNAP).flat_map(|y| (-SNAP..=SNAP).map(move |x| (x, y)));
         let mut around: Vec<_> = around.map(|(x, y)| (x * x + y * y, x, y)).collect();
@@ -138,11 +138,11 @@ impl Planner {
     }
 }
 
-/// Whether the robot's disc, smaller by a margin in metres, gets from a start along the points of a path
-/// to a goal without touching anything.
+/// Whether the robot's disc, smaller by a margin in metres, gets from a start along a path to a goal
+/// without touching anything.
 fn arrives(truth: &MappableArea, margin: f64, start: DVec2, path: &[DVec2], goal: DVec2) -> bool {
     let room_at = |p: DVec2| (truth.room(p) + margin).min(MOST_ROOM);
-    // Everything is clear around `at` within `room`, and `from` is in that circle.
+    // Everything within `room` of `at` is clear, and `from` is in that circle.
     let (mut at, mut room, mut from) = (start, room_at(start), start);
     for &to in path.iter().chain([&goal]) {
         if room >= 0.0 && at.distance(to) > room {

@@ -1,4 +1,4 @@
-//! The parts of a score: difficulty by area and by distance, without what a world without difficulty
+//! Parts of the scores: difficulty per area and per distance, less what a world without difficulty
 //! costs.
 
 use std::f64::consts::TAU;
@@ -9,7 +9,7 @@ use super::run_summary::{RunSummary, STUCK_COLLISIONS};
 use crate::policy::margins::cruising_speed;
 use crate::robot::Robot;
 
-/// Distance in metres up to which a robot without errors sees to either side.
+/// Distance in metres that a robot without errors sees to either side.
 const VIEW: f64 = 8.0;
 
 /// Excess time in seconds per square metre mapped at which `e_time` is 0.5.
@@ -21,31 +21,31 @@ const HALF_TURNING: f64 = 1.0;
 /// Collisions per 100 m at which `e_hit` is 1 - 1/e.
 const MANY_COLLISIONS: f64 = 5.0;
 
-/// Path length in metres that counts at least: a robot that is stuck at once had few collisions.
+/// Least path length in metres that counts, since a robot that is stuck at once had few collisions.
 const LEAST_DISTANCE: f64 = 20.0;
 
-/// Least share of F in the time per area: a map of nothing took finite time.
+/// Least fraction of F that counts in the time per area, since an empty map took finite time.
 const LEAST_COVERAGE: f64 = 0.01;
 
-/// Error in metres relative to that 20 m of path before that a robot makes in a world without
+/// Error in metres relative to the pose 20 m of path before that a robot makes in a world without
 /// difficulty, on a map with cells of 0.05 m.
 const LEAST_DRIFT: f64 = 0.04;
 
-/// Error in metres beyond it at which `e_pose` is 0.5.
+/// Error in metres beyond [`LEAST_DRIFT`] at which `e_pose` is 0.5.
 const HALF_DRIFT: f64 = 0.05;
 
-/// The parts that M and N are weighted sums of, from 0 to 1; see the fields of
-/// [`Scores`](super::Scores), and of [`Score1`](super::Score1) for those that differ by score 1.
+/// The parts of which M and N are weighted sums, from 0 to 1. See the fields of
+/// [`Scores`](super::Scores), and of [`Score1`](super::Score1) for those that differ in score 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parts {
-    /// Walls out of place or missing.
+    /// Wall error: walls out of place or missing.
     pub e_wall: f64,
-    /// Paths planned on the map that fail in the world.
+    /// Usability error: paths planned on the map that fail in the world.
     pub e_use: f64,
-    /// Error of the estimated pose.
+    /// Pose error: drift of the estimated pose.
     pub e_pose: f64,
-    /// Ground that the map does not show as free.
+    /// Coverage error: ground that the map does not show as free.
     pub e_cov: f64,
     /// Time.
     pub e_time: f64,
@@ -55,28 +55,28 @@ pub struct Parts {
     pub e_turn: f64,
 }
 
-/// The part of an error of the pose, in metres.
+/// Returns the part of an error of the pose, which is given in metres.
 pub(super) fn e_pose(error: f64) -> f64 {
     saturating(error - LEAST_DRIFT, HALF_DRIFT)
 }
 
-/// 0 for 0, 0.5 for `half`, towards 1 for large values.
+/// Saturates a value: 0 for 0, 0.5 for `half`, and towards 1 for large values.
 pub(super) fn saturating(value: f64, half: f64) -> f64 {
     if value > 0.0 { value / (value + half) } else { 0.0 }
 }
 
-/// What the map of a run and its poses are worth.
+/// The quality of a run's map and poses.
 #[derive(Clone, Copy)]
 pub(super) struct Quality {
-    /// 1 - F1 at 0.30 m.
+    /// Wall error: 1 - F1 at 0.30 m.
     pub(super) e_wall: f64,
     /// C, from 0 to 1.
     pub(super) coverage: f64,
-    /// Error of the poses in metres: relative to that 20 m of path before, by score 1 the ATE.
+    /// Error of the poses in metres, relative to the pose 20 m of path before; in score 1, the ATE.
     pub(super) pose_error: f64,
     /// Area of F in square metres.
     pub(super) free_area: f64,
-    /// The share of paths that arrive, with the margin of a cell; by score 1 without.
+    /// Fraction of paths that arrive, with the margin of one cell; in score 1, without it.
     pub(super) navigability: f64,
 }
 

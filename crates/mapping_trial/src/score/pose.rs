@@ -4,10 +4,10 @@ use envgen::geometry::{Pose, wrap_angle};
 
 use super::trajectory_pair::TrajectoryPair;
 
-/// Length of true path in metres between the poses of a near relation.
+/// Length of true path in metres between the two poses of a near relation.
 pub(super) const NEAR: f64 = 1.0;
 
-/// Length of true path in metres between the poses of a far relation.
+/// Length of true path in metres between the two poses of a far relation.
 pub(super) const FAR: f64 = 20.0;
 
 /// Path length in metres from one relation to the next.
@@ -31,8 +31,8 @@ impl Rms {
     }
 }
 
-/// Root mean square of the position errors in metres over all robots and ticks, in the start
-/// frame: no alignment. 0 without poses.
+/// Returns the root mean square of the position errors in metres over all robots and ticks, in the
+/// start frame, without alignment. It is 0 without poses.
 pub(super) fn absolute(tracks: &[TrajectoryPair<'_>]) -> f64 {
     let mut errors = Rms::default();
     for track in tracks {
@@ -43,8 +43,8 @@ pub(super) fn absolute(tracks: &[TrajectoryPair<'_>]) -> f64 {
     errors.value().unwrap_or(0.0)
 }
 
-/// Root mean squares of the errors of relations between poses that are `length` metres of true path
-/// apart: of the position in metres and of the heading in radians, over all robots. `None` if no
+/// Returns the root mean square errors of the relations between poses that are `length` metres of true
+/// path apart: of the position in metres and of the heading in radians, over all robots. `None` if no
 /// robot drove that far. (Kuemmerle et al., On measuring the accuracy of SLAM algorithms, Autonomous
 /// Robots 27, 2009, <https://doi.org/10.1007/s10514-009-9155-6>.)
 pub(super) fn relative(tracks: &[TrajectoryPair<'_>], length: f64) -> Option<(f64, f64)> {
@@ -81,7 +81,8 @@ pub(super) fn relative(tracks: &[TrajectoryPair<'_>], length: f64) -> Option<(f6
     positions.value().zip(headings.value())
 }
 
-/// The pose `to` as seen from `from`; its heading is wrapped only when two are compared.
+/// Returns the pose `to` relative to `from`. Its heading is only wrapped when two relations are
+/// compared.
 fn relation(from: Pose, to: Pose) -> Pose {
     Pose { position: from.to_local(to.position), heading: to.heading - from.heading }
 }

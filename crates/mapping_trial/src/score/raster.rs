@@ -1,4 +1,4 @@
-//! A robot's map on the grid of the scores.
+//! A robot's map on the grid of scores.
 
 use crate::map::{CellIndex, DECIDED, OccupancyMap, TILE};
 use crate::mappable_area::{MappableArea, ScoreFrame};
@@ -7,9 +7,9 @@ use crate::mappable_area::{MappableArea, ScoreFrame};
 pub(crate) struct Raster {
     /// The grid of score cells.
     pub(crate) frame: ScoreFrame,
-    /// Score cells of which a quarter or more is occupied: `E_o`.
+    /// Score cells of which at least a quarter is occupied: `E_o`.
     pub(crate) occupied: Vec<bool>,
-    /// Score cells that are not occupied and of which a quarter or more is free: `E_f`.
+    /// Score cells that are not occupied and of which at least a quarter is free: `E_f`.
     pub(crate) free: Vec<bool>,
     /// The map's own cells that are occupied, four per score cell.
     pub(crate) fine: Vec<bool>,
@@ -17,7 +17,7 @@ pub(crate) struct Raster {
     pub(crate) occupied_outside: usize,
 }
 
-/// Score cells of border around a map's tiles: as far as distances between walls count.
+/// Border in score cells around a map's tiles, as wide as distances between walls count.
 const AROUND: i32 = 11;
 
 /// Score cells along the side of a map's tile.
@@ -31,7 +31,7 @@ impl Raster {
             Some([left.min(col), low.min(row), right.max(col), high.max(row)])
         });
         let frame = truth.frame().intersection(match around {
-            // Walls of the world beside the map are near to walls that it shows there.
+            // Walls of the world beside the map can be near walls on the map.
             Some([left, low, right, high]) => ScoreFrame {
                 col: left * TILE_CELLS - AROUND,
                 row: low * TILE_CELLS - AROUND,
@@ -80,13 +80,13 @@ impl Raster {
         }
     }
 
-    /// The lower left of the four cells of the map in a score cell.
+    /// Returns the lower left of the four map cells in a score cell.
     pub(crate) fn fine_corner(&self, cell: usize) -> usize {
         let (x, y) = (cell % self.frame.cols, cell / self.frame.cols);
         4 * y * self.frame.cols + 2 * x
     }
 
-    /// Whether a cell of the map is occupied; not outside the frame.
+    /// Whether a cell of the map is occupied. Cells outside of the frame are not.
     pub(crate) fn is_occupied(&self, index: CellIndex) -> bool {
         let (col, row) = (index.col.div_euclid(2), index.row.div_euclid(2));
         self.frame.cell(col, row).is_some_and(|cell| {

@@ -1,4 +1,4 @@
-//! What a map is scored against.
+//! References, against which maps are scored.
 
 use std::ops::Deref;
 
@@ -11,8 +11,7 @@ use super::walls::true_runs;
 use crate::mappable_area::{MappableArea, MappableAreaError};
 use crate::robot::Robot;
 
-/// The mappable area of a world with what its perfect map gives, computed once for any number of
-/// trials in it.
+/// A mappable area with data on its perfect map, computed once for any number of trials in its world.
 #[derive(Clone, Debug)]
 pub struct Reference {
     area: MappableArea,
@@ -21,17 +20,19 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// The reference from the world's start.
+    /// Computes the reference from the world's start.
     ///
     /// # Errors
+    ///
     /// As [`MappableArea::new`].
     pub fn new(world: &World, robot: &Robot) -> Result<Self, MappableAreaError> {
         Ok(Reference::of(MappableArea::new(world, robot)?, world))
     }
 
-    /// The reference from a start, the world's or another one.
+    /// Computes the reference from a start, which may be the world's or another one.
     ///
     /// # Errors
+    ///
     /// As [`MappableArea::from_start`].
     pub fn from_start(
         world: &World,
@@ -48,12 +49,12 @@ impl Reference {
         Reference { area, runs, trips }
     }
 
-    /// How many walls a search along each wall point's normal crosses.
+    /// For each wall point, the number of walls that a search along its normal crosses.
     pub(super) fn runs(&self) -> &[u8] {
         &self.runs
     }
 
-    /// The trips with which the navigability of a map is tested.
+    /// The trips by which the navigability of a map is tested.
     pub(super) fn trips(&self) -> &[Trip] {
         &self.trips
     }

@@ -1,20 +1,20 @@
-//! The scores as the rows of a table, for terminals and panels alike.
+//! The scores as rows of a table, for terminals and panels.
 
 use super::scores::Scores;
 
 /// One row of the table of scores.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScoreRow {
-    /// Its name, for instance `wall F1`.
+    /// The row's name, such as `wall F1`.
     pub name: &'static str,
-    /// Its value with its unit.
+    /// The value with its unit.
     pub value: String,
     /// What the value means.
     pub meaning: &'static str,
 }
 
 impl Scores {
-    /// D, M and N, and their parts, the most important first.
+    /// Returns D, M and N, and their parts, the most important first.
     pub fn rows(&self) -> Vec<ScoreRow> {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
         let metres = |distance: f64| format!("{distance:.2} m");

@@ -5,7 +5,7 @@ use super::swept::SweptCells;
 use super::trajectory_pair::{TrajectoryPair, check_tracks};
 use crate::map::OccupancyMap;
 
-/// Number of collisions that a robot counts as that is stuck for good, or lost in water.
+/// Number of collisions for which a robot counts that is stuck for good, or lost in water.
 pub(super) const STUCK_COLLISIONS: f64 = 3.0;
 
 /// The data of a run from which it is scored.
@@ -17,22 +17,22 @@ pub struct RunSummary<'a> {
     pub tracks: &'a [TrajectoryPair<'a>],
     /// Simulated time in seconds.
     pub time: f64,
-    /// Time in seconds after which the run would have ended.
+    /// Time in seconds at which the run would have ended.
     pub time_limit: f64,
     /// Path length of all robots in metres.
     pub distance: f64,
     /// Turning of all robots in radians, left and right added.
     pub turning: f64,
-    /// Number of collisions of all robots, those with people aside.
+    /// Number of collisions of all robots, without those with people.
     pub collisions: u32,
-    /// Where people and leaves were, and the number of collisions of all robots with people; `None` where
-    /// nothing moves.
+    /// Where people and door leaves were, and the number of collisions of all robots with people;
+    /// `None` if nothing moves.
     pub moving: Option<(&'a SweptCells, u32)>,
     /// Number of recoveries of all robots.
     pub recoveries: u32,
     /// Number of robots that were stuck for good, or lost in water.
     pub stuck: u32,
-    /// Seconds that the batteries would still have lasted, the minimum of all robots.
+    /// Least time in seconds, over all robots, for which the battery would still have lasted.
     pub energy_left: f64,
 }
 

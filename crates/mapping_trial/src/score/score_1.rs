@@ -1,4 +1,4 @@
-//! Score 1: difficulty by the trial as a whole, not by area and distance. The older of the two.
+//! Score 1, the older of the two scores, which takes a trial as a whole and not per area and distance.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,11 +18,11 @@ const MANY_COLLISIONS: f64 = 5.0;
 /// Turning in radians at which `e_turn` is 0.5.
 const HALF_TURNING: f64 = 60.0;
 
-/// Difficulty by score 1, by which reports before version 2 state D, M and N.
+/// Difficulty by score 1, in which reports before version 2 give D, M and N.
 ///
-/// It grows with the size of the world and saturates: `e_time` falls once the time limit binds,
-/// `e_turn` passes its half value within minutes, an empty hall that everybody maps without fault
-/// has an N above 2, and `e_pose` depends on the moment at which a robot is lost.
+/// It grows with the size of the world, and saturates: `e_time` falls once the time limit binds,
+/// `e_turn` passes half its range within minutes, an empty hall that everybody maps without error has
+/// an N above 2, and `e_pose` depends on the moment at which a robot gets lost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Score1 {
@@ -33,15 +33,15 @@ pub struct Score1 {
     pub mapping: f64,
     /// N: `10 (0.40 e_time + 0.25 e_cov + 0.20 e_hit + 0.15 e_turn)`.
     pub navigation: f64,
-    /// 1 - U.
+    /// Usability error: 1 - U.
     pub e_use: f64,
-    /// ATE / (ATE + 0.5 m).
+    /// Pose error: ATE / (ATE + 0.5 m).
     pub e_pose: f64,
-    /// T / (T + T0), with T0 = 1.5 s for each square metre of F.
+    /// Time: T / (T + T0), with T0 = 1.5 s for each square metre of F.
     pub e_time: f64,
-    /// 1 - exp(-(collisions + 3 stuck) / 5).
+    /// Collisions: 1 - exp(-(collisions + 3 stuck) / 5).
     pub e_hit: f64,
-    /// Turning / (turning + 60 rad).
+    /// Turning: turning / (turning + 60 rad).
     pub e_turn: f64,
 }
 

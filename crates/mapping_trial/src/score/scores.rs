@@ -13,24 +13,27 @@ use super::swept::SweptCells;
 use super::weights::{Difficulties, Weights};
 use crate::mappable_area::SCORE_CELL;
 
-/// What a run shows of people and doors. Where one of them was for more than a twentieth of the time, the map
-/// is neither right nor wrong: those cells count in no precision and no recall.
+/// The scores of a run that concern people and doors.
+///
+/// A map is neither right nor wrong where one of them was for more than a twentieth of the time. These
+/// cells count in no precision and no recall.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MovingScores {
-    /// Number of collisions with people, `person_hits` in files.
+    /// Number of collisions with people. Its name in files is `person_hits`.
     #[serde(rename = "person_hits")]
     pub person_collisions: u32,
-    /// Area in square metres where people and leaves were for more than a twentieth of the time.
+    /// Area in square metres where people and door leaves were for more than a twentieth of the time.
     pub swept_area: f64,
-    /// Area in square metres of that which the map shows as occupied: ghosts of people, and leaves.
+    /// Part of that area, in square metres, that the map shows as occupied: ghosts of people, and door
+    /// leaves.
     pub ghost_area: f64,
 }
 
 /// The scores of a run.
 ///
-/// Shares and errors `e_...` are from 0 to 1, M, N and D from 0 to 10, 10 being the most
-/// difficult. F is the ground that the robot can cover, cell by cell of 0.1 m.
+/// Fractions and errors `e_...` are from 0 to 1. M, N and D are from 0 to 10, where 10 is the most
+/// difficult. F is the ground that the robot can cover, in cells of 0.1 m.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scores {
@@ -41,56 +44,57 @@ pub struct Scores {
     /// N: difficulty of navigation,
     /// `10 (0.40 e_time + 0.10 e_cov + 0.15 e_hit + 0.35 e_turn)`.
     pub navigation: f64,
-    /// 1 - F1 at 0.30 m.
+    /// Wall error: 1 - F1 at 0.30 m.
     pub e_wall: f64,
-    /// 1 - U', the share of the 40 paths on which a robot collides that is smaller all around by a
-    /// cell of the map, 0.05 m: what the map cannot show does not count.
+    /// Usability error: 1 - U', the fraction of the 40 paths that fail for a robot that is smaller all
+    /// around by a cell of the map, 0.05 m. What the map cannot show does not count.
     pub e_use: f64,
-    /// d / (d + 0.05 m), where d is the error of the position relative to that 20 m of path before,
-    /// beyond 0.04 m; for robots that drove less, the trajectory error beyond it.
+    /// Pose error: d / (d + 0.05 m), where d is the error of the position relative to the pose 20 m of
+    /// path before, beyond 0.04 m. For robots that drove less, d is the trajectory error beyond 0.04 m.
     pub e_pose: f64,
-    /// 1 - C.
+    /// Coverage error: 1 - C.
     pub e_cov: f64,
-    /// t / (t + 1.5 s/m^2), where `t = (T + (1 - C) T_lim) / (C |F|) - 1 / (2 * 8 m * v)`, at least 0,
-    /// with v 5/7 of the greatest speed: time by the area that was mapped, beyond what a robot
-    /// without errors needs in an open hall. What is not mapped never helps.
+    /// Time: t / (t + 1.5 s/m^2), where `t = (T + (1 - C) T_lim) / (C |F|) - 1 / (2 * 8 m * v)`, at
+    /// least 0, with v 5/7 of the greatest speed. This is the time per mapped area, beyond what a robot
+    /// without errors needs in an open hall. Leaving ground unmapped never helps.
     pub e_time: f64,
-    /// 1 - exp(-h / 5), where h is collisions + 3 stuck for each 100 m driven.
+    /// Collisions: 1 - exp(-h / 5), where h is (collisions + 3 stuck) per 100 m driven.
     pub e_hit: f64,
-    /// r / (r + 1 rad/m), where r is the turning per metre beyond one look around.
+    /// Turning: r / (r + 1 rad/m), where r is the turning per metre beyond one look around.
     pub e_turn: f64,
-    /// C: share of F that the map shows as free.
+    /// C: fraction of F that the map shows as free.
     pub coverage: f64,
-    /// Share of the map's occupied cells that are within 0.30 m of a wall that can be seen from F.
+    /// Fraction of the map's occupied cells that are within 0.30 m of a wall that can be seen from F.
     pub precision_30: f64,
-    /// Share of those walls that are within 0.30 m of an occupied cell of the map.
+    /// Fraction of those walls that are within 0.30 m of an occupied cell of the map.
     pub recall_30: f64,
-    /// Harmonic mean of the two.
+    /// Harmonic mean of precision and recall within 0.30 m.
     pub f1_30: f64,
-    /// The same within 0.15 m.
+    /// Precision within 0.15 m.
     pub precision_15: f64,
-    /// The same within 0.15 m.
+    /// Recall within 0.15 m.
     pub recall_15: f64,
-    /// The same within 0.15 m.
+    /// Harmonic mean of precision and recall within 0.15 m.
     pub f1_15: f64,
     /// Mean distance in metres from the map's walls to the true ones and back, each at most 1 m.
     pub wall_distance: f64,
-    /// Share of the walls that the map shows twice, within 0.7 m to either side.
+    /// Fraction of the walls that the map shows twice, within 0.7 m to either side.
     pub ghosting: f64,
-    /// U: share of 40 paths, planned on the map and driven in the true world, that arrive without a
+    /// U: fraction of 40 paths, planned on the map and driven in the true world, that arrive without a
     /// collision.
     pub navigability: f64,
-    /// ATE: root mean square of the errors of position in metres over all ticks, not aligned.
+    /// Absolute trajectory error (ATE): root mean square of the position errors in metres over all
+    /// ticks, without alignment.
     pub trajectory_error: f64,
-    /// Root mean square error in metres of the position relative to that 1 m of path before;
-    /// absent if no robot drove that far.
+    /// Root mean square error in metres of the position relative to the pose 1 m of path before; absent
+    /// if no robot drove that far.
     pub relative_error_near: Option<f64>,
-    /// The same of the heading, in radians.
+    /// Root mean square error in radians of the heading relative to that pose.
     pub relative_turn_near: Option<f64>,
-    /// Root mean square error in metres of the position relative to that 20 m of path before;
+    /// Root mean square error in metres of the position relative to the pose 20 m of path before;
     /// absent if no robot drove that far.
     pub relative_error_far: Option<f64>,
-    /// The same of the heading, in radians.
+    /// Root mean square error in radians of the heading relative to that pose.
     pub relative_turn_far: Option<f64>,
     /// Area of F in square metres.
     pub free_area: f64,
@@ -100,18 +104,18 @@ pub struct Scores {
     pub distance: f64,
     /// Turning of all robots in radians.
     pub turning: f64,
-    /// Number of collisions of all robots, `hits` in files.
+    /// Number of collisions of all robots. Its name in files is `hits`.
     #[serde(rename = "hits")]
     pub collisions: u32,
     /// Number of recoveries of all robots.
     pub recoveries: u32,
     /// Number of robots that were stuck for good, or lost in water.
     pub stuck: u32,
-    /// Seconds that the batteries would still have lasted, the minimum of all robots.
+    /// Least time in seconds, over all robots, for which the battery would still have lasted.
     pub energy_left: f64,
-    /// The same run by the older score, which the thesis's replay compares with.
+    /// Scores of the same run by the older score, for comparison with the thesis.
     pub score_1: Score1,
-    /// What concerns people and doors; absent where nothing moves.
+    /// Scores that concern people and doors; absent if nothing moves.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub moving: Option<MovingScores>,
 }
@@ -186,14 +190,14 @@ impl Scores {
         })
     }
 
-    /// The parts that M and N are made of.
+    /// Returns the parts of which M and N consist.
     pub fn parts(&self) -> Parts {
         let Scores { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn, .. } = *self;
         Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn }
     }
 }
 
-/// Area in square metres that the map shows as occupied where people or leaves were.
+/// Area in square metres that the map shows as occupied where people or door leaves were.
 fn ghost_area(raster: &Raster, swept: &SweptCells) -> f64 {
     let occupied = raster.occupied.iter().enumerate().filter(|(_, occupied)| **occupied);
     let ghosts = occupied.filter(|(cell, _)| {

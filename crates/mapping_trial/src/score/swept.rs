@@ -1,4 +1,4 @@
-//! The cells that people and leaves were in: what a map shows there is neither right nor wrong.
+//! The cells in which people and door leaves were. What a map shows there is neither right nor wrong.
 
 use envgen::geometry::Rect;
 use envgen::scenario::{PERSON_RADIUS, ScenarioState};
@@ -6,13 +6,13 @@ use glam::DVec2;
 
 use crate::mappable_area::{SCORE_CELL, ScoreFrame};
 
-/// Share of the time from which a cell that something was in counts as moving.
+/// Fraction of the time from which a cell that something was in counts as moving.
 const MOVING_SHARE: f64 = 0.05;
 
 /// How far beyond an outline a cell still counts, in metres: about a cell's diagonal.
 const MARGIN: f64 = 0.1;
 
-/// For each score cell, how often a person or the leaf of a door was in it.
+/// For each score cell, how often a person or a door leaf was in it.
 #[derive(Clone, Debug)]
 pub struct SweptCells {
     frame: ScoreFrame,
@@ -21,16 +21,16 @@ pub struct SweptCells {
 }
 
 impl SweptCells {
-    /// Nothing so far, in a world of these bounds, which must not be far larger than memory.
+    /// Creates an empty record for a world with these bounds, which must not be far larger than memory.
     pub fn new(bounds: Rect) -> Self {
         let frame = ScoreFrame::around(bounds);
         SweptCells { frame, counts: vec![0; frame.len()], samples: 0 }
     }
 
-    /// Adds where everything is now.
+    /// Adds the present positions of people and door leaves.
     pub fn add(&mut self, state: &ScenarioState) {
         self.samples += 1;
-        // A cell that two things are in counts once.
+        // A cell with two of them counts once.
         let mut cells = Vec::new();
         for person in state.people() {
             let reach = PERSON_RADIUS + MARGIN;
@@ -67,14 +67,14 @@ impl SweptCells {
         }
     }
 
-    /// Whether something was in a cell for more than a twentieth of the time; the cell's column and row are
-    /// counted from the world's origin.
+    /// Whether something was in a cell for more than a twentieth of the time. The cell's column and row
+    /// count from the world's origin.
     pub(super) fn is_moving(&self, col: i32, row: i32) -> bool {
         let count = self.frame.cell(col, row).map_or(0, |cell| self.counts[cell]);
         f64::from(count) > MOVING_SHARE * f64::from(self.samples)
     }
 
-    /// The same of the cell that contains a point.
+    /// Whether something was in the cell that contains a point for more than a twentieth of the time.
     pub(super) fn is_moving_at(&self, p: DVec2) -> bool {
         let count = self.frame.cell_at(p).map_or(0, |cell| self.counts[cell]);
         f64::from(count) > MOVING_SHARE * f64::from(self.samples)

@@ -9,7 +9,7 @@ use super::error::{MAX_POSITION, ScoreError};
 pub struct TrajectoryPair<'a> {
     /// True poses.
     pub truth: &'a [Pose],
-    /// Estimated poses, the same number.
+    /// Estimated poses, as many as true ones.
     pub estimated: &'a [Pose],
 }
 

@@ -8,18 +8,18 @@ use crate::map::{CellIndex, OccupancyMap, RESOLUTION};
 use crate::mappable_area::{MappableArea, SCORE_CELL, WallPoint};
 use envgen::distance::{FAR_SQUARED, squared_distances};
 
-/// Greatest distance in metres that counts; larger ones count as this.
+/// Greatest distance in metres that counts. Larger ones count as this one.
 pub(super) const CUT: f64 = 1.0;
 
-/// How far to either side of a wall a second image of it is searched, in metres.
+/// Distance in metres to either side of a wall within which a second image of it is searched.
 const GHOST_REACH: f64 = 0.7;
 
-/// How far true walls are searched, in metres: a map that is off by 0.6 m moves no true wall into
-/// view that was not expected.
+/// Distance in metres within which true walls are searched. A map that is off by 0.6 m brings no true
+/// wall into view that was not expected.
 const TRUE_REACH: f64 = 1.3;
 
-/// Least distance in metres between two images: less is one blurred wall, or the two sides of a thin
-/// one.
+/// Least distance in metres between two images. Nearer ones are one blurred wall, or the two sides of a
+/// thin one.
 const APART: f64 = 0.2;
 
 /// The walls of a map compared with those of the world.
@@ -30,7 +30,7 @@ pub(super) struct WallScores {
     pub(super) ghosting: f64,
 }
 
-/// Compares with two tolerances in metres; cells in which something moved do not count.
+/// Compares walls with two tolerances in metres. Cells in which something moved do not count.
 pub(super) fn compare(
     truth: &MappableArea,
     runs: &[u8],
@@ -39,7 +39,7 @@ pub(super) fn compare(
     tolerances: [f64; 2],
 ) -> WallScores {
     let (mut found, mut mapped) = (Tally::new(tolerances), Tally::new(tolerances));
-    // Of the map: how far is the nearest true wall?
+    // For each wall cell of the map: how far is the nearest true wall?
     for (cell, _) in raster.occupied.iter().enumerate().filter(|(_, occupied)| **occupied) {
         let (col, row) = raster.frame.place(cell);
         if swept.is_some_and(|swept| swept.is_moving(col, row)) {
@@ -51,13 +51,13 @@ pub(super) fn compare(
     for _ in 0..raster.occupied_outside {
         mapped.add(FAR_SQUARED);
     }
-    // Of the world: how far is the nearest wall of the map?
+    // For each wall point of the world: how far is the nearest wall of the map?
     let distance = squared_distances(raster.frame.cols, &raster.occupied);
     let is_moving = |p: DVec2| swept.is_some_and(|swept| swept.is_moving_at(p));
     for point in truth.walls().iter().filter(|point| !is_moving(point.position)) {
         found.add(match raster.frame.cell_at(point.position) {
             Some(cell) => distance[cell],
-            // Beyond the map nothing is nearer than its border.
+            // Beyond the map, nothing is nearer than its border.
             None => FAR_SQUARED,
         });
     }
@@ -74,7 +74,7 @@ pub(super) fn compare(
 
 /// Counts distances.
 struct Tally {
-    /// Tolerances as squared distances in cells.
+    /// The tolerances as squared distances in cells.
     within: [f64; 2],
     hits: [u64; 2],
     count: u64,
@@ -111,13 +111,13 @@ impl Tally {
     }
 }
 
-/// How many true walls a search along each wall point's normal crosses.
+/// For each wall point, the number of true walls that a search along its normal crosses.
 pub(crate) fn true_runs(truth: &MappableArea, perfect: &OccupancyMap) -> Vec<u8> {
     let raster = Raster::of(truth, perfect);
     truth.walls().iter().map(|point| runs(&raster, point, TRUE_REACH)).collect()
 }
 
-/// The share of wall points along whose normal the map has more walls than the world.
+/// The fraction of wall points along whose normal the map has more walls than the world.
 fn ghosting(truth: &MappableArea, true_runs: &[u8], raster: &Raster) -> f64 {
     let doubled = truth.walls().iter().zip(true_runs);
     let doubled = doubled.filter(|(point, known)| runs(raster, point, GHOST_REACH) > **known);
@@ -125,7 +125,7 @@ fn ghosting(truth: &MappableArea, true_runs: &[u8], raster: &Raster) -> f64 {
     if truth.walls().is_empty() { 0.0 } else { count / truth.walls().len() as f64 }
 }
 
-/// How many walls of a map a search along a wall point's normal crosses, to either side.
+/// The number of walls of a map that a search along a wall point's normal crosses, to either side.
 fn runs(raster: &Raster, point: &WallPoint, reach: f64) -> u8 {
     let steps = (reach / RESOLUTION).round() as i32;
     let apart = (APART / RESOLUTION).round() as i32;

@@ -1,34 +1,35 @@
-//! The weights of a score's parts, and how a ranking depends on them.
+//! The weights of the parts of scores, and how a ranking depends on them.
 
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::parts::Parts;
 
-/// Weights of the parts; the default ones are those of [`Scores`](super::Scores). Those of M, of N and
-/// of D count in proportion: only their ratios matter.
+/// The weights of the parts of scores. The default weights are those of [`Scores`](super::Scores).
+///
+/// Only the ratios of the weights of M, of those of N, and of those of D matter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Weights {
-    /// Of `e_wall` in M.
+    /// Weight of `e_wall` in M.
     pub wall: f64,
-    /// Of `e_use` in M.
+    /// Weight of `e_use` in M.
     pub navigability: f64,
-    /// Of `e_pose` in M.
+    /// Weight of `e_pose` in M.
     pub pose: f64,
-    /// Of `e_cov` in M.
+    /// Weight of `e_cov` in M.
     pub coverage: f64,
-    /// Of `e_time` in N.
+    /// Weight of `e_time` in N.
     pub time: f64,
-    /// Of `e_cov` in N.
+    /// Weight of `e_cov` in N.
     pub reach: f64,
-    /// Of `e_hit` in N; `hits` in files.
+    /// Weight of `e_hit` in N. Its name in files is `hits`.
     #[serde(rename = "hits", alias = "collisions")]
     pub collisions: f64,
-    /// Of `e_turn` in N.
+    /// Weight of `e_turn` in N.
     pub turning: f64,
-    /// Of M in D.
+    /// Weight of M in D.
     pub mapping: f64,
-    /// Of N in D.
+    /// Weight of N in D.
     pub navigation: f64,
 }
 
@@ -37,11 +38,11 @@ impl Default for Weights {
         Weights {
             wall: 0.20,
             navigability: 0.20,
-            // How fast a pose drifts tells worlds apart better than what follows from it.
+            // The drift of the pose distinguishes worlds better than its consequences do.
             pose: 0.50,
             coverage: 0.10,
             time: 0.40,
-            // Time already counts what was not covered.
+            // The time already accounts for ground that was not covered.
             reach: 0.10,
             collisions: 0.15,
             turning: 0.35,
@@ -52,7 +53,7 @@ impl Default for Weights {
 }
 
 impl Weights {
-    /// Those of [`Score1`](super::Score1).
+    /// The weights of [`Score1`](super::Score1).
     pub const SCORE_1: Weights = Weights {
         wall: 0.35,
         navigability: 0.30,
@@ -66,7 +67,7 @@ impl Weights {
         navigation: 0.4,
     };
 
-    /// Name and value of every weight.
+    /// Returns name and value of every weight.
     fn all(&mut self) -> [(&'static str, &mut f64); 10] {
         [
             ("wall", &mut self.wall),
@@ -82,7 +83,7 @@ impl Weights {
         ]
     }
 
-    /// The same with one weight multiplied; `None` if no weight has that name.
+    /// Returns the weights with one of them multiplied; `None` if no weight has that name.
     ///
     /// ```
     /// use mapping_trial::score::Weights;
@@ -96,7 +97,7 @@ impl Weights {
         Some(self)
     }
 
-    /// M, N and D on the scale from 0 to 10, from the parts of a score.
+    /// Returns M, N and D on the scale from 0 to 10, given the parts of a score.
     ///
     /// ```
     /// use mapping_trial::score::{Parts, Weights};
@@ -134,30 +135,30 @@ impl Weights {
     }
 }
 
-/// How difficult a world was, from 0 to 10.
+/// The difficulty of a world in a run, from 0 to 10.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Difficulties {
-    /// M: how difficult it was to map.
+    /// M: difficulty of mapping.
     pub mapping: f64,
-    /// N: how difficult it was to get around in.
+    /// N: difficulty of navigation.
     pub navigation: f64,
-    /// D: both.
+    /// D: overall difficulty.
     pub overall: f64,
 }
 
-/// How a ranking changes when one weight changes by half.
+/// How a ranking changes if one weight changes by half.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Sensitivity {
-    /// The weight, by the name of its field in [`Weights`]. Files call that of collisions `hits`.
+    /// The weight, as the name of its field in [`Weights`]. Files call that of collisions `hits`.
     #[serde(serialize_with = "weight_in_files")]
     pub weight: &'static str,
-    /// The factor of the weight: 0.5 or 1.5.
+    /// The factor on the weight: 0.5 or 1.5.
     pub factor: f64,
-    /// Kendall's tau-b between the order by D before and after; 1 if nothing changes, absent
+    /// Kendall's tau-b between the orders by D before and after. It is 1 if nothing changes, and absent
     /// if all values of one of the two are equal.
     pub tau: Option<f64>,
-    /// The most positions that one trial moves in the order by D, least first; ties keep the
-    /// order in which they were given.
+    /// The greatest number of positions that a trial moves in the order by D, least first. Ties keep
+    /// the order in which they were given.
     pub most_places: usize,
 }
 
@@ -166,8 +167,8 @@ fn weight_in_files<S: Serializer>(weight: &str, serializer: S) -> Result<S::Ok, 
     serializer.serialize_str(if weight == "collisions" { "hits" } else { weight })
 }
 
-/// Ranks trials by D with each weight in turn multiplied by 0.5 and by 1.5, and
-/// compares with the ranking by the weights as they are. O(n^2) for n trials.
+/// Ranks trials by D, with each weight in turn multiplied by 0.5 and by 1.5, and compares this with the
+/// ranking by the given weights. It takes O(n^2) time for n trials.
 ///
 /// ```
 /// use mapping_trial::score::{Parts, Weights, sensitivity};
@@ -205,8 +206,9 @@ pub fn sensitivity(trials: &[Parts], weights: Weights) -> Vec<Sensitivity> {
     found
 }
 
-/// Kendall's rank correlation tau-b (Kendall, Biometrika 33, 1945, <https://doi.org/10.1093/biomet/33.3.239>), which
-/// allows for ties; `None` for lists of different lengths, or if all values of one are equal. O(n^2).
+/// Returns Kendall's rank correlation tau-b (Kendall, Biometrika 33, 1945,
+/// <https://doi.org/10.1093/biomet/33.3.239>), which allows for ties; `None` for lists of different
+/// lengths, or if all values of one list are equal. It takes O(n^2) time.
 ///
 /// ```
 /// use mapping_trial::score::kendall_tau;
