@@ -1,4 +1,4 @@
-//! The grid of the scores.
+//! The grid of scores.
 
 use envgen::GridFrame;
 use envgen::geometry::Rect;
@@ -9,9 +9,11 @@ use crate::map::{CellIndex, RESOLUTION};
 /// Side of a score cell in metres: two cells of a robot's map.
 pub const SCORE_CELL: f64 = 2.0 * RESOLUTION;
 
-/// A rectangle of cells of [`SCORE_CELL`], in rows from below, aligned with the cells of a map: each
-/// contains four of those. Unlike a [`GridFrame`] it counts its cells from the world's origin in whole
-/// numbers, so that all frames agree to the last bit on the cell of a point.
+/// A rectangle of cells of [`SCORE_CELL`], in rows from below. It is aligned with the cells of a map,
+/// so that each of its cells contains four of those.
+///
+/// Unlike a [`GridFrame`], it counts its cells from the world's origin in integers, so that all frames
+/// agree to the last bit on the cell of a point.
 ///
 /// ```
 /// use envgen::glam::DVec2;
@@ -48,7 +50,7 @@ impl ScoreFrame {
         }
     }
 
-    /// The cells that both have; empty when there are none.
+    /// The cells that both frames have; empty if there are none.
     pub(crate) fn intersection(self, other: ScoreFrame) -> ScoreFrame {
         let (col, row) = (self.col.max(other.col), self.row.max(other.row));
         let end = |a: i32, a_len: usize, b: i32, b_len: usize, from: i32| {
@@ -64,23 +66,23 @@ impl ScoreFrame {
         }
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn len(self) -> usize {
         self.cols * self.rows
     }
 
-    /// Whether there are no cells.
+    /// Returns whether there are no cells.
     pub fn is_empty(self) -> bool {
         self.len() == 0
     }
 
-    /// The cell that contains a point in metres; `None` outside.
+    /// Returns the cell that contains a point in metres; `None` outside of the frame.
     pub fn cell_at(self, p: DVec2) -> Option<usize> {
         let CellIndex { col, row } = CellIndex::of(p);
         self.cell(col.div_euclid(2), row.div_euclid(2))
     }
 
-    /// The cell of a column and a row that are counted from the world's origin; `None` outside.
+    /// The cell of a column and a row that count from the world's origin; `None` outside of the frame.
     pub(crate) fn cell(self, col: i32, row: i32) -> Option<usize> {
         let x = usize::try_from(i64::from(col) - i64::from(self.col)).ok()?;
         let y = usize::try_from(i64::from(row) - i64::from(self.row)).ok()?;
@@ -93,13 +95,13 @@ impl ScoreFrame {
         (self.col + col as i32, self.row + row as i32)
     }
 
-    /// Centre of a cell in metres.
+    /// Returns the centre of a cell in metres.
     pub fn centre(self, cell: usize) -> DVec2 {
         let (col, row) = self.place(cell);
         (DVec2::new(f64::from(col), f64::from(row)) + 0.5) * SCORE_CELL
     }
 
-    /// The rectangle that the cells cover, in metres.
+    /// Returns the rectangle that the cells cover, in metres.
     pub fn area(self) -> Rect {
         let low = DVec2::new(f64::from(self.col), f64::from(self.row));
         let high = low + DVec2::new(self.cols as f64, self.rows as f64);

@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use super::frame::{SCORE_CELL, ScoreFrame};
 
-/// Solid parts, and the ground that a robot's centre must not be on, on a grid.
+/// Solid parts, and ground that a robot's centre must not be on, on a grid.
 #[derive(Clone, Debug)]
 pub(super) struct DiscGround {
     frame: ScoreFrame,
@@ -23,9 +23,8 @@ pub(super) struct DiscGround {
 }
 
 impl DiscGround {
-    /// Indexes a world for distances up to `reach` metres to what is within a body's height.
-    ///
-    /// `None` if there are too many cells, or the reach is not a distance.
+    /// Indexes a world for distances up to `reach` metres to what is within a body's height. `None` if
+    /// there are too many cells, or if the reach is not a distance.
     pub(super) fn new(world: &World, frame: ScoreFrame, reach: f64, body: Extent) -> Option<Self> {
         let mut wet = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
         let barred = |shape: &Shape| occupy_entered(&mut wet, shape);
@@ -69,8 +68,8 @@ impl DiscGround {
         self.near.clearance(p)
     }
 
-    /// How far a disc is from the nearest solid part in metres, infinite beyond the reach;
-    /// negative where it touches one, leaves the world or cannot drive.
+    /// How far in metres a disc is from the nearest solid part, infinite beyond the reach; negative
+    /// where it touches one, leaves the world or cannot drive.
     pub(super) fn room(&self, p: DVec2, radius: f64) -> f64 {
         match self.frame.cell_at(p) {
             Some(cell) if self.open[cell] && (self.dry[cell] || self.is_dry(p)) => {
@@ -81,7 +80,8 @@ impl DiscGround {
     }
 }
 
-/// The cells inside the world's bounds that none of some solid parts enters; `None` if there are too many cells.
+/// The cells inside the world's bounds that none of the given solid parts enters; `None` if there are
+/// too many cells.
 pub(super) fn open_cells<'a>(
     world: &World,
     frame: ScoreFrame,
@@ -93,8 +93,8 @@ pub(super) fn open_cells<'a>(
     Some((0..frame.len()).map(|cell| !grid.cells()[cell] && inside(cell)).collect())
 }
 
-/// How deep a filled shape must reach into a cell to enter it, in metres: a wall along the line
-/// between two cells is in one of them.
+/// Depth in metres to which a filled shape must reach into a cell to enter it, so that a wall along the
+/// line between two cells is in one of them.
 const DEPTH: f64 = 1e-6;
 
 /// Occupies the cells that a shape enters. A line between two cells enters both.

@@ -1,5 +1,5 @@
-//! The mappable area of a world: the ground that a robot can reach, and the walls that it can
-//! see from there.
+//! The mappable area of a world: the ground that a robot can reach, and the walls that it can see from
+//! there.
 
 mod frame;
 mod ground;
@@ -22,15 +22,15 @@ use crate::robot::Robot;
 /// Greatest number of cells of [`SCORE_CELL`] of a world with its border: 579 x 579 m.
 pub const MAX_CELLS: u64 = 1 << 25;
 
-/// Width in metres of the border of cells around the world's bounds: farther than walls are
-/// compared.
+/// Width in metres of the border of cells around the world's bounds. It is larger than the distances at
+/// which walls are compared.
 const BORDER: f64 = 1.3;
 
 /// The greatest coordinate of a world and its border in metres.
 const FARTHEST: f64 = 1e7;
 
-/// How much wider than its circumscribed radius a robot counts where it plans and where it could have
-/// been, in metres: the Pioneer's 0.355 m make 0.36 m.
+/// Margin in metres that is added to a robot's circumscribed radius for planning and for the area that
+/// it could have covered: the Pioneer's 0.355 m become 0.36 m.
 pub const MARGIN: f64 = 0.005;
 
 /// The circumscribed radii that a trial can be scored for, in metres.
@@ -39,10 +39,10 @@ const RADII: std::ops::RangeInclusive<f64> = 0.15..=2.0;
 /// Distance in metres beyond the robot's radius up to which distances to solids are known.
 const REACH: f64 = 0.6;
 
-/// Depth in metres at which a wall's surface is drawn into the wall.
+/// Depth in metres inside a wall at which the wall's surface is drawn.
 const INTO_WALL: f64 = 1e-3;
 
-/// Why a world has no mappable area.
+/// An error for which a world has no mappable area.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MappableAreaError {
@@ -60,7 +60,7 @@ pub enum MappableAreaError {
         /// Height in metres.
         height: f64,
     },
-    /// The robot's size is not one that can be scored.
+    /// The robot's radius is outside of the range that can be scored.
     #[error("`circumscribed_radius` must be from {min} to {max} m, got {0} m", min = RADII.start(), max = RADII.end())]
     Radius(f64),
     /// The robot's height is not valid.
@@ -114,21 +114,23 @@ impl MappableArea {
     /// Computes the mappable area from the world's start.
     ///
     /// # Errors
-    /// If the world has no start; else as [`MappableArea::from_start`].
+    ///
+    /// If the world has no start; otherwise as [`MappableArea::from_start`].
     pub fn new(world: &World, robot: &Robot) -> Result<Self, MappableAreaError> {
         let start = world.start.ok_or(MappableAreaError::NoStart)?;
         MappableArea::from_start(world, robot, start.position)
     }
 
-    /// Computes the mappable area from a start, the world's or another one.
+    /// Computes the mappable area from a start, which may be the world's or another one.
     ///
-    /// The robot is a disc of its circumscribed radius and height that stays off solid parts and inside the
-    /// world's bounds; its centre stays off water and surfaces of speed 0. Its laser sees the walls and solids
-    /// that have its height.
+    /// The robot is a disc of its circumscribed radius and height. It stays off solid parts and inside
+    /// the world's bounds, and its centre stays off water and surfaces of speed 0. Its laser sees the
+    /// walls and solids at its own height.
     ///
     /// # Errors
-    /// If the world is broken or too large, if the robot does not fit at the start, or if it
-    /// is smaller or larger than can be scored.
+    ///
+    /// If the world is broken or too large, if the robot does not fit at the start, or if it is smaller
+    /// or larger than can be scored.
     pub fn from_start(
         world: &World,
         robot: &Robot,
@@ -151,7 +153,7 @@ impl MappableArea {
         if free_cells == 0 || ground.room(start, radius) < 0.0 {
             return Err(MappableAreaError::Start { x: start.x, y: start.y, radius: footprint });
         }
-        // What stops the robot, a laser may see over.
+        // A laser may see over solids that stop the robot.
         let laser = robot.laser_mount.height;
         let seen = open_cells(world, frame, world.solids_at(laser))
             .ok_or_else(|| self::too_large(world))?;
@@ -176,69 +178,72 @@ impl MappableArea {
         Ok(truth)
     }
 
-    /// Where the robot starts.
+    /// Returns the position where the robot starts.
     pub fn start(&self) -> DVec2 {
         self.start
     }
 
-    /// The robot that maps.
+    /// Returns the robot that maps.
     pub fn robot(&self) -> &Robot {
         &self.robot
     }
 
-    /// Checks before a trial that a world is small enough to be scored; returns the area of the
-    /// grid of the scores.
+    /// Checks, before a trial, that a world is small enough to be scored. Returns the area of the grid
+    /// of scores.
     ///
     /// # Errors
-    /// If it is too large, or too far from the origin.
+    ///
+    /// If the world is too large, or too far from the origin.
     pub fn check_size(world: &World) -> Result<Rect, MappableAreaError> {
         let around = world.bounds.grown(BORDER);
         let size = around.size();
         let cells = (size.x / SCORE_CELL + 2.0) * (size.y / SCORE_CELL + 2.0);
-        // Far from the origin cells of 0.1 m cannot be distinguished.
+        // Far from the origin, cells of 0.1 m cannot be distinguished.
         let far = around.min.abs().max(around.max.abs()).max_element();
         let small = cells <= MAX_CELLS as f64 && far <= FARTHEST;
         if small { Ok(around) } else { Err(too_large(world)) }
     }
 
-    /// Checks before a trial that a robot is of a size that can be scored: of a circumscribed radius from 0.15 to
-    /// 2 m.
+    /// Checks, before a trial, that a robot has a size that can be scored: a circumscribed radius from
+    /// 0.15 to 2 m.
     ///
     /// # Errors
-    /// If it is smaller or larger.
+    ///
+    /// If the robot is smaller or larger.
     pub fn check_robot(robot: &Robot) -> Result<(), MappableAreaError> {
         let radius = robot.circumscribed_radius;
         if RADII.contains(&radius) { Ok(()) } else { Err(MappableAreaError::Radius(radius)) }
     }
 
-    /// The grid of the mappable area.
+    /// Returns the grid of the mappable area.
     pub fn frame(&self) -> ScoreFrame {
         self.frame
     }
 
-    /// For each cell of the grid whether it is F: ground that no solid enters and that the robot's
-    /// disc can cover.
+    /// Returns for each cell of the grid whether it belongs to F: ground that no solid enters and that
+    /// the robot's disc can cover.
     pub fn free(&self) -> &[bool] {
         &self.free
     }
 
-    /// The area of F in square metres.
+    /// Returns the area of F in square metres.
     pub fn free_area(&self) -> f64 {
         self.free_cells as f64 * (SCORE_CELL * SCORE_CELL)
     }
 
-    /// The walls that can be seen from F, as points about 5 cm apart.
+    /// Returns the walls that can be seen from F, as points about 5 cm apart.
     pub fn walls(&self) -> &[WallPoint] {
         &self.walls
     }
 
-    /// Whether the robot's centre can be at a point: its disc, of its circumscribed radius, touches
-    /// nothing solid, and it can drive on the ground.
+    /// Returns whether the robot's centre can be at a point: its disc of its circumscribed radius
+    /// touches nothing solid, and it can drive on the ground.
     pub fn is_clear(&self, p: DVec2) -> bool {
         self.room(p) >= 0.0
     }
 
-    /// The map of a robot without any error: F free, the seen walls occupied.
+    /// Returns the map of a robot without any error: F is free, and the walls that can be seen are
+    /// occupied.
     ///
     /// ```
     /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -271,13 +276,13 @@ impl MappableArea {
         map
     }
 
-    /// Distance of the robot's disc from the nearest solid part in metres, infinite if far;
-    /// negative where it touches one or cannot be.
+    /// Distance in metres of the robot's disc from the nearest solid part, infinite if far; negative
+    /// where the disc touches one or cannot be.
     pub(crate) fn room(&self, p: DVec2) -> f64 {
         self.ground.room(p, self.robot.circumscribed_radius)
     }
 
-    /// Squared distance of every cell to the nearest seen wall, in cells.
+    /// For each cell, its squared distance to the nearest visible wall, in cells.
     pub(crate) fn wall_distance(&self) -> &[u16] {
         &self.wall_distance
     }
@@ -292,12 +297,12 @@ fn too_large(world: &World) -> MappableAreaError {
     MappableAreaError::Size { width: size.x, height: size.y }
 }
 
-/// A point inside the wall behind a point of its surface.
+/// A point inside the wall, behind a point of its surface.
 fn into_wall(point: WallPoint) -> DVec2 {
     point.position - point.normal * INTO_WALL
 }
 
-/// The open cells that are connected to free ones over sides.
+/// The open cells that are connected to free ones across their sides.
 fn joined(frame: ScoreFrame, free: &[bool], open: &[bool]) -> Vec<bool> {
     let mut joined = free.to_vec();
     let mut grown: Vec<usize> = (0..free.len()).filter(|&cell| free[cell]).collect();

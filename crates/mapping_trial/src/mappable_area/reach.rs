@@ -1,4 +1,4 @@
-//! Where a robot's centre can go: a flood over sixteen points per cell.
+//! Where a robot's centre can go: a flood fill over sixteen points per cell.
 
 use glam::DVec2;
 
@@ -9,15 +9,15 @@ use envgen::distance::squared_distances;
 /// Points along a side of a cell.
 const POINTS: i32 = 4;
 
-/// Distance between neighbouring points in metres. A disc whose centre moves from one to the next
-/// comes nearer to a solid than it is at both by 0.5 mm at most, if its radius is that of the
-/// robot; passages that are wider than the disc by this much are found.
+/// Distance in metres between neighbouring points. When the centre of a disc of the robot's radius
+/// moves from one to the next, the disc comes nearer to a solid than it is at both by 0.5 mm at most.
+/// Passages that are wider than the disc by this much are found.
 const STEP: f64 = SCORE_CELL / POINTS as f64;
 
-/// Greatest distance of a point of a cell from its centre.
+/// Greatest distance in metres of a point of a cell from the cell's centre.
 const OFF_MIDDLE: f64 = 1.5 * STEP * std::f64::consts::SQRT_2;
 
-/// Points of the right, left, upper and lower side of a cell; bit 4 y + x is the point (x, y).
+/// The points of the right, left, upper and lower side of a cell. Bit 4 y + x is the point (x, y).
 const RIGHT: u16 = 0x8888;
 const LEFT: u16 = 0x1111;
 const TOP: u16 = 0xf000;
@@ -33,13 +33,13 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    /// Floods from a start, for a disc of a radius.
+    /// Floods from a start for a disc of a given radius.
     pub(super) fn from_start(ground: &DiscGround, radius: f64, start: DVec2) -> Reach {
         let frame = ground.frame();
         let free = free_points(ground, radius);
         let mut reached = vec![0_u16; free.len()];
         let mut grown: Vec<usize> = Vec::new();
-        // The start is between points: those near it to which the robot can move.
+        // The start lies between points; these are the points near it to which the robot can move.
         for (cell, points) in around(frame, start, 1) {
             let near = each_point(points_of(frame, cell), |p| p.distance(start) <= 2.0 * STEP);
             reached[cell] = free[cell] & near & points;
@@ -67,7 +67,7 @@ impl Reach {
         Reach { frame, points: reached }
     }
 
-    /// The open cells whose centres a disc covers whose centre is at a reached point.
+    /// The open cells whose centre is covered by a disc with its centre at a reached point.
     pub(super) fn covered(&self, open: &[bool], radius: f64) -> Vec<bool> {
         let frame = self.frame;
         let reached: Vec<bool> = self.points.iter().map(|&points| points != 0).collect();
@@ -111,7 +111,7 @@ fn around(frame: ScoreFrame, p: DVec2, span: i32) -> impl Iterator<Item = (usize
 fn free_points(ground: &DiscGround, radius: f64) -> Vec<u16> {
     let frame = ground.frame();
     let sure = radius + OFF_MIDDLE;
-    // Lower bound of the disc's clearance: from cell to cell it falls by at most the distance.
+    // A lower bound of the disc's clearance, which falls from cell to cell by at most the distance.
     let mut room = 0.0;
     (0..frame.len())
         .map(|cell| {
@@ -168,14 +168,14 @@ fn spread(mut points: u16, free: u16) -> u16 {
     }
 }
 
-/// The points of a neighbouring cell that touch some points of a cell, over sides and corners.
+/// The points of a neighbouring cell that touch some points of a cell, across sides and corners.
 fn spill(points: u16, x: i32, y: i32) -> u16 {
     let rows = match y {
         0 => points,
         1 => (points & TOP) >> 12,
         _ => (points & BOTTOM) << 12,
     };
-    // Along the side that the cells share, a point touches three.
+    // Along the side that the cells share, a point touches three others.
     match (x, y) {
         (0, 0) => points,
         (0, _) => rows | (rows & !RIGHT) << 1 | (rows & !LEFT) >> 1,

@@ -15,13 +15,13 @@ const SPACING: f64 = 0.05;
 /// Distance in metres from an outline at which a point looks for free space.
 const LIFT: f64 = 0.01;
 
-/// How far walls are seen, in metres: the longest range of the lasers.
+/// Distance in metres up to which walls are seen: the range of the laser profile with the longest.
 const SIGHT: f64 = 20.0;
 
-/// Number of directions in which a point looks for free space that is not right before it.
+/// Number of directions in which a point looks for free space that is not right in front of it.
 const LOOKS: usize = 64;
 
-/// A point of a wall's outline; each represents about the same length of wall.
+/// A point on the outline of a wall. Each point represents about the same length of wall.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -38,14 +38,14 @@ const LOOKS: usize = 64;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallPoint {
-    /// Its position in metres, in the world's frame.
+    /// Position in metres, in the world's frame.
     pub position: DVec2,
-    /// The unit vector out of the wall, to the side from which it is seen.
+    /// Unit vector that points out of the wall, to the side from which it is seen.
     pub normal: DVec2,
 }
 
-/// The points of outlines that a laser at a height can see from the cells of `free`, in the world's order.
-/// `joined` are the cells that no solid enters and that are connected to `free`.
+/// Returns the points of outlines that a laser at a height can see from the cells of `free`, in the
+/// world's order. `joined` are the cells that no solid enters and that are connected to `free`.
 pub(super) fn seen(
     world: &World,
     laser: f64,
@@ -84,7 +84,7 @@ impl Sight<'_> {
             return false;
         }
         let eye = point.position + point.normal * LIFT;
-        // Most walls have free space right before them.
+        // Most walls have free space right in front of them.
         if beside().any(|cell| self.free[cell] && self.open_between(eye, cell)) {
             return true;
         }
@@ -108,7 +108,7 @@ impl Sight<'_> {
     }
 }
 
-/// Points along a shape's outline, each with the directions from which it may be seen: one for a
+/// Visits points along a shape's outline, each with the directions from which it may be seen: one for a
 /// filled shape, both for a line.
 fn outline(shape: &Shape, mut visit: impl FnMut(&[WallPoint])) {
     let mut side = |a: DVec2, b: DVec2, both: bool| {
@@ -123,7 +123,7 @@ fn outline(shape: &Shape, mut visit: impl FnMut(&[WallPoint])) {
     };
     match shape {
         Shape::Segment { a, b } => side(*a, *b, true),
-        // Counter-clockwise outlines have their outside on the right.
+        // Outlines are counter-clockwise, so that their outside is on the right.
         Shape::Box { .. } | Shape::Polygon { .. } => {
             edges(&shape.corners()).for_each(|(a, b)| side(a, b, false));
         }
