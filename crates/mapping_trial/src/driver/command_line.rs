@@ -1,10 +1,10 @@
-//! A driver's program as people write it.
+//! Command lines of drivers, as people write them.
 
 use std::process::Command;
 
 use super::error::DriverError;
 
-/// The command of a line such as `python3 "my driver.py" --fast`, with quotes as in a shell.
+/// Returns the command of a line such as `python3 "my driver.py" --fast`, with quotes as in a shell.
 ///
 /// ```
 /// use mapping_trial::driver::command;
@@ -16,7 +16,8 @@ use super::error::DriverError;
 /// ```
 ///
 /// # Errors
-/// A quote is not closed, or the line is empty.
+///
+/// If a quote is not closed, or if the line is empty.
 pub fn command(line: &str) -> Result<Command, DriverError> {
     let words = shlex::split(line).ok_or(DriverError::Command("a quote is not closed"))?;
     let (program, arguments) =

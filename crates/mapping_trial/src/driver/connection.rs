@@ -1,4 +1,4 @@
-//! The connection to a driver.
+//! Connections to drivers.
 
 use std::io::{Read, Write};
 use std::process::Command;
@@ -12,8 +12,8 @@ use super::protocol::{Greeting, Hello};
 use super::session::Session;
 use crate::trial::TrialReport;
 
-/// A connection to a driver, which its [`DriverPolicy`](super::DriverPolicy) and
-/// [`DriverSlam`](super::DriverSlam) share.
+/// A connection to a driver. The driver's [`DriverPolicy`](super::DriverPolicy) and
+/// [`DriverSlam`](super::DriverSlam) share it.
 ///
 /// ```no_run
 /// use std::process::Command;
@@ -41,11 +41,11 @@ use crate::trial::TrialReport;
 pub struct Driver(Arc<Mutex<Session>>);
 
 impl Driver {
-    /// Starts a program as driver. What it writes to its standard error is copied to `errors`.
+    /// Starts a program as driver. Its standard error is copied to `errors`.
     ///
     /// # Errors
     ///
-    /// When it cannot be started.
+    /// If the program cannot be started.
     pub fn start(
         command: Command,
         limits: Limits,
@@ -56,7 +56,7 @@ impl Driver {
         Ok(Driver::of(Session::new(Link::new(input, output, limits), limits, Some(process))))
     }
 
-    /// A driver behind any two streams: `input` is what it reads, `output` what it writes.
+    /// Connects to a driver behind any two streams: it reads `input` and writes `output`.
     pub fn connect(
         input: impl Write + Send + 'static,
         output: impl Read + Send + 'static,
@@ -73,18 +73,18 @@ impl Driver {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sends the hello and returns the driver's answer; `None` if the driver fails. A trial may
-    /// begin nevertheless: it ends at once, with [`Driver::failure`] as the reason.
+    /// Sends the hello and returns the driver's answer; `None` if the driver fails. A trial may still
+    /// start then: it ends at once, with [`Driver::failure`] as the reason.
     pub fn greet(&self, hello: &Hello) -> Option<Greeting> {
         self.session().greet(hello)
     }
 
-    /// Why the driver failed; `None` if it did not.
+    /// Returns why the driver failed; `None` if it did not.
     pub fn failure(&self) -> Option<String> {
         self.session().failure().map(str::to_owned)
     }
 
-    /// Sends the driver the trial's result, and waits a moment for it to end.
+    /// Sends the driver the trial's result, and waits a moment for the driver to end.
     pub fn end(&self, report: Option<&TrialReport>) {
         self.session().end(report);
     }

@@ -1,4 +1,4 @@
-//! What a driver can do wrong.
+//! Errors of drivers.
 
 use std::fmt;
 use std::time::Duration;
@@ -8,35 +8,35 @@ use thiserror::Error;
 
 use super::limits::MAX_LINE;
 
-/// What a driver did wrong.
+/// An error of a driver.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DriverError {
     /// A command line that names no program.
     #[error("{0}")]
     Command(&'static str),
-    /// It cannot be started.
+    /// The driver cannot be started.
     #[error("it cannot be started: {0}")]
     Start(std::io::Error),
-    /// It ended or closed one of its ends.
+    /// The driver ended or closed one of its ends.
     #[error("{0}")]
     Gone(String),
-    /// It did not answer in time.
+    /// The driver did not answer in time.
     #[error("no answer within {} s", .0.as_secs_f64())]
     Late(Duration),
-    /// All its answers together took too long.
+    /// All answers of the driver together took too long.
     #[error("its answers took more than {} s together", .0.as_secs_f64())]
     Slow(Duration),
-    /// It answers, but does not read its input.
+    /// The driver answers, but does not read its input.
     #[error("it does not read its input")]
     Deaf,
-    /// It wrote a line that it was not asked for.
+    /// The driver wrote a line for which it was not asked.
     #[error("an unexpected line: `{0}`; expected one line per line sent")]
     Unasked(String),
     /// A line for the driver cannot be written.
     #[error("a line for it cannot be written: {0}")]
     Line(#[from] serde_json::Error),
-    /// Its line is too long.
+    /// The driver's line is too long.
     #[error("a line of more than {MAX_LINE} bytes")]
     TooLong,
     /// A line that is not an answer.
@@ -48,7 +48,7 @@ pub enum DriverError {
     /// The map is too large to be sent.
     #[error("it asks for the map, which is too large: {0}")]
     MapSize(String),
-    /// It gave up.
+    /// The driver gave up.
     #[error("it gave up: {0}")]
     GaveUp(String),
 }

@@ -1,4 +1,4 @@
-//! Maps in driver messages: cells as in ROS's `OccupancyGrid`, in base64.
+//! Maps in messages of drivers: cells as in ROS's `OccupancyGrid`, in base64.
 
 use std::ops::Range;
 
@@ -12,12 +12,12 @@ use serde::{Deserialize, Serialize};
 use super::error::{DriverError, not_allowed};
 use crate::map::{CLAMP, OccupancyMap, RESOLUTION, TILE};
 
-/// Cells as bytes: percent of being occupied; 255 (-1 as a signed byte) is unknown.
+/// Cells as bytes: the probability of being occupied in percent; 255 (-1 as a signed byte) is unknown.
 const FREE: u8 = 0;
 const OCCUPIED: u8 = 100;
 const UNKNOWN: u8 = 255;
 
-/// Percent from which a cell counts as occupied, and up to which as free, as in [`OccupancyMap`].
+/// Percentages from which a cell counts as occupied, and up to which as free, as in [`OccupancyMap`].
 const SURELY_OCCUPIED: u8 = 65;
 const SURELY_FREE: u8 = 35;
 
@@ -64,8 +64,8 @@ impl Grid {
         })
     }
 
-    /// A driver's map, resampled to our own cells; it replaces `before`. `start` is where the first
-    /// robot started.
+    /// Returns a driver's map, resampled to our own cells. It replaces `before`; `start` is where the
+    /// first robot started.
     pub(super) fn to_map(
         &self,
         start: DVec2,
@@ -87,7 +87,7 @@ impl Grid {
         Ok(self.draw(&cells, area, before))
     }
 
-    /// The area of the map in metres, or the first value that is not allowed.
+    /// Returns the area of the map in metres, or names the first value that is not allowed.
     fn check(&self, start: DVec2) -> Result<Rect, DriverError> {
         let Grid { origin, resolution, cols, rows, .. } = *self;
         if !(FINEST..=COARSEST).contains(&resolution) {
@@ -134,9 +134,9 @@ impl Grid {
         map
     }
 
-    /// Along one axis: the tiles of our map from `low` to `high`, and for each of their cells which
-    /// of the grid's `count` cells it samples. A cell takes as many evenly spaced samples as
-    /// the grid has cells across it, so that no thin wall of a finer grid is lost.
+    /// Returns, along one axis, the tiles of our map from `low` to `high`, and for each of their cells
+    /// which of the grid's `count` cells it samples. A cell takes as many evenly spaced samples as the
+    /// grid has cells across it, so that no thin wall of a finer grid is lost.
     fn strips(&self, low: f64, high: f64, count: u32) -> Vec<(i32, Vec<Range<usize>>)> {
         let looks = (RESOLUTION / self.resolution - 1e-9).ceil().max(1.0);
         let at =
@@ -152,8 +152,8 @@ impl Grid {
         tiles.map(|tile| (tile, (tile * TILE..(tile + 1) * TILE).map(span).collect())).collect()
     }
 
-    /// The log odds of one of our cells that samples these rows and columns: occupied if any sample
-    /// is, else free if any sample is.
+    /// Returns the log odds of one of our cells that samples these rows and columns: occupied if any
+    /// sample is occupied, otherwise free if any sample is free.
     fn odds(&self, cells: &[u8], rows: Range<usize>, columns: Range<usize>) -> i16 {
         let mut odds = 0;
         for row in rows {

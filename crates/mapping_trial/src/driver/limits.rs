@@ -1,21 +1,21 @@
-//! What a driver is limited to.
+//! Limits on drivers.
 
 use std::time::Duration;
 
-/// Bytes in a driver's line, at most.
+/// Greatest length of a driver's line in bytes.
 pub const MAX_LINE: usize = 16 << 20;
 
-/// How long a driver may take.
+/// Limits on the time that a driver may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// For one answer.
+    /// Limit on the time of one answer.
     pub reply: Duration,
-    /// For all answers of a trial together.
+    /// Limit on the total time of all answers in a trial.
     pub total: Duration,
 }
 
 impl Default for Limits {
-    /// 10 seconds per answer, one hour for all answers.
+    /// Returns 10 seconds per answer, and one hour for all answers.
     fn default() -> Self {
         Limits { reply: Duration::from_secs(10), total: Duration::from_secs(3600) }
     }

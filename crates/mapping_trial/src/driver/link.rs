@@ -1,5 +1,5 @@
-//! Lines to a driver and back, with limits of time and length: whatever the driver does, every
-//! question ends with an answer or an error.
+//! Lines to a driver and back, with limits on time and length. Whatever the driver does, every question
+//! ends with an answer or an error.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::sync::mpsc::{
@@ -10,34 +10,34 @@ use std::time::{Duration, Instant};
 
 use super::limits::{Limits, MAX_LINE};
 
-/// Bytes that are read at once.
+/// Number of bytes that are read at once.
 const CHUNK: usize = 1 << 16;
 
-/// What happens on the driver's side.
+/// An event on the driver's side.
 #[derive(Debug)]
 enum Event {
     Line(Vec<u8>),
     Broken(LinkError),
 }
 
-/// Why no line came back.
+/// An error for which no line came back.
 #[derive(Debug)]
 pub(super) enum LinkError {
-    /// It has closed its output, after so many bytes of a line without an end.
+    /// The driver closed its output, after a number of bytes of an incomplete line.
     Closed { half: usize },
-    /// Its output cannot be read.
+    /// The driver's output cannot be read.
     Read(std::io::Error),
-    /// It has closed its input.
+    /// The driver closed its input.
     Write(std::io::Error),
-    /// Its line is longer than [`MAX_LINE`] bytes.
+    /// The driver's line is longer than [`MAX_LINE`] bytes.
     TooLong,
-    /// It answers, but does not read.
+    /// The driver answers, but does not read.
     Deaf,
-    /// It wrote a line before it was asked for one.
+    /// The driver wrote a line before it was asked for one.
     Unasked(Vec<u8>),
-    /// Its answer did not come in time.
+    /// The driver's answer did not come in time.
     Late,
-    /// All its answers together took longer than they may.
+    /// All answers of the driver together took longer than allowed.
     Slow,
 }
 
@@ -45,38 +45,38 @@ pub(super) enum LinkError {
 #[derive(Debug)]
 pub(super) struct Link {
     limits: Limits,
-    /// What is to be written; `None` after the last line.
+    /// The lines to be written; `None` after the last line.
     lines: Option<SyncSender<Vec<u8>>>,
     events: Receiver<Event>,
-    /// Closed when nothing is to be written any more.
+    /// Closed when nothing is left to be written.
     written: Receiver<()>,
     /// How long all answers took so far.
     waited: Duration,
 }
 
 impl Link {
-    /// Reads and writes on its own threads. They end when the driver closes its ends, or with the
+    /// Reads and writes on threads of its own. They end when the driver closes its ends, or with the
     /// program.
     pub(super) fn new(
         input: impl Write + Send + 'static,
         output: impl Read + Send + 'static,
         limits: Limits,
     ) -> Self {
-        // A driver that writes without being asked is blocked, and its lines take no more memory.
+        // A driver that writes without being asked is blocked, so that its lines take no more memory.
         let (to_events, events) = sync_channel(1);
         let (lines, to_write) = sync_channel(1);
         let broken = to_events.clone();
         let (writes, written) = channel::<()>();
         thread::spawn(move || {
             write_lines(input, &to_write, &broken);
-            // Says that all is written.
+            // This signals that everything is written.
             drop(writes);
         });
         thread::spawn(move || read_lines(output, &to_events));
         Link { limits, lines: Some(lines), events, written, waited: Duration::ZERO }
     }
 
-    /// Writes a line and waits for the answer. No second question may follow an error.
+    /// Writes a line and waits for the answer. After an error, no further question is allowed.
     pub(super) fn ask(&mut self, line: Vec<u8>) -> Result<Vec<u8>, LinkError> {
         match self.events.try_recv() {
             Ok(Event::Line(line)) => return Err(LinkError::Unasked(line)),
@@ -102,15 +102,16 @@ impl Link {
         }
     }
 
-    /// Writes the last line, which has no answer, and closes the driver's input. If the driver does
-    /// not read, only the line is lost.
+    /// Writes the last line, which has no answer, and closes the driver's input. If the driver does not
+    /// read, only this line is lost.
     pub(super) fn close(&mut self, line: Option<Vec<u8>>) {
         if let Some((lines, line)) = self.lines.take().zip(line) {
             let _ = lines.try_send(line);
         }
     }
 
-    /// A line that nobody asked for and that came since the last answer, or comes within some time.
+    /// Returns a line that nobody asked for, which has come since the last answer or comes within some
+    /// time.
     pub(super) fn leftover(&self, patience: Duration) -> Option<Vec<u8>> {
         match self.events.recv_timeout(patience) {
             Ok(Event::Line(line)) => Some(line),
@@ -118,9 +119,9 @@ impl Link {
         }
     }
 
-    /// Waits until the last line is written, but not longer than `patience`.
+    /// Waits until the last line is written, but at most `patience`.
     pub(super) fn finish_writing(&self, patience: Duration) {
-        // Nothing is ever sent: the other end is dropped.
+        // Nothing is ever sent: the other end is only dropped.
         let _ = self.written.recv_timeout(patience);
     }
 }

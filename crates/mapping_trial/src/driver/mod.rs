@@ -1,12 +1,12 @@
-//! Drivers: programs in processes of their own that drive a trial's robots, over lines of JSON.
+//! Drivers: programs in other processes that drive the robots of a trial, by lines of JSON.
 //!
 //! A driver reads one object per line from its standard input and answers each with one line. It
-//! decides where the robots go and, if its hello says so, estimates poses and map itself.
+//! decides where the robots go. If its hello says so, it also estimates poses and map itself.
 //! `docs/driver-protocol.md` describes the lines.
 //!
-//! Whatever a driver does, a trial continues or ends with [`EndReason::Failed`] and a reason: lines
-//! are at most [`MAX_LINE`] long, answers come within [`Limits`], and the process is ended with the
-//! last of its [`Driver`]s.
+//! Whatever a driver does, the trial continues, or it ends with [`EndReason::Failed`] and a reason:
+//! lines are at most [`MAX_LINE`] long, answers come within [`Limits`], and the process is ended with
+//! the last of its [`Driver`]s.
 //!
 //! [`EndReason::Failed`]: crate::trial::EndReason::Failed
 

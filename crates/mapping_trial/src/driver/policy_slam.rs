@@ -1,4 +1,4 @@
-//! A driver's parts in a trial: the policy and, if it says so, SLAM.
+//! The parts of a driver in a trial: the policy and, if the driver provides it, SLAM.
 
 use envgen::geometry::Pose;
 
@@ -11,8 +11,8 @@ use crate::slam::motion::{advance, believable};
 use crate::trial::TrialParts;
 
 impl Driver {
-    /// The trial parts that the driver provides, after [`Driver::greet`]: the policy and, if its
-    /// hello says so, SLAM.
+    /// Returns the trial parts that the driver provides: the policy and, if its hello says so, SLAM.
+    /// [`Driver::greet`] must come first.
     pub fn parts(&self) -> TrialParts {
         let driver = self.clone();
         let parts = TrialParts::default().policy(move |_| DriverPolicy::new(&driver));
@@ -24,7 +24,7 @@ impl Driver {
     }
 }
 
-/// What logs and reports call the parts of a driver.
+/// The name of a driver's parts in logs and reports.
 fn name(driver: &Driver) -> String {
     driver.session().name().map_or("driver".to_owned(), |name| format!("driver {name}"))
 }
@@ -38,7 +38,7 @@ pub struct DriverPolicy {
 }
 
 impl DriverPolicy {
-    /// The policy of a driver that has answered the hello.
+    /// Creates the policy of a driver that has answered the hello.
     pub fn new(driver: &Driver) -> Self {
         DriverPolicy { driver: driver.clone(), name: name(driver), failure: None }
     }
@@ -49,7 +49,7 @@ impl ExplorationPolicy for DriverPolicy {
         &self.name
     }
 
-    /// The driver is asked each tick, or as rarely as it asked for.
+    /// Returns 1: the session asks the driver every tick, or as rarely as its hello requests.
     fn ticks_per_decision(&self) -> u64 {
         1
     }
@@ -57,7 +57,7 @@ impl ExplorationPolicy for DriverPolicy {
     fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
         let robot = view.robot;
         let mut session = self.driver.session();
-        // A driver with SLAM was asked when it estimated.
+        // A driver with SLAM was already asked for the estimate.
         if !session.has_slam() {
             session.tick(robot, view.seen, Some((view.estimates[robot].pose, view.map)));
         }
@@ -72,8 +72,7 @@ impl ExplorationPolicy for DriverPolicy {
     }
 }
 
-/// SLAM of a driver. Between its poses, and where it gives none, poses come from the wheel
-/// odometry.
+/// The SLAM of a driver. Between its poses, and where it gives none, poses come from wheel odometry.
 #[derive(Debug)]
 pub struct DriverSlam {
     driver: Driver,
@@ -83,7 +82,7 @@ pub struct DriverSlam {
 }
 
 impl DriverSlam {
-    /// SLAM of a driver that has answered the hello, for robots at the poses `starts`.
+    /// Creates the SLAM of a driver that has answered the hello, for robots at the poses `starts`.
     pub fn new(driver: &Driver, starts: &[Pose]) -> Self {
         DriverSlam {
             driver: driver.clone(),

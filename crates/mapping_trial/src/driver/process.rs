@@ -1,4 +1,4 @@
-//! A driver's process: it is always ended and waited for.
+//! The process of a driver, which is always ended and waited for.
 
 use std::collections::VecDeque;
 use std::io::{Read, Write};
@@ -8,13 +8,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// Bytes at the end of a driver's standard error that are kept for error messages.
+/// Number of bytes from the end of a driver's standard error that are kept for error messages.
 const TAIL: usize = 1024;
 
-/// How long to wait for a process that has closed its output to end, and for its last output.
+/// How long to wait for the end and the last output of a process that has closed its output.
 const ENDING: Duration = Duration::from_millis(500);
 
-/// Time between two checks whether it has ended.
+/// Time between two checks whether the process has ended.
 const LOOK: Duration = Duration::from_millis(5);
 
 /// A process that is ended when it is dropped.
@@ -22,12 +22,12 @@ const LOOK: Duration = Duration::from_millis(5);
 pub(super) struct Process {
     child: Child,
     tail: Arc<Mutex<VecDeque<u8>>>,
-    /// Closed when its standard error is.
+    /// Closed when the standard error of the process is closed.
     silent: Receiver<()>,
 }
 
 impl Process {
-    /// Starts a process; what it writes to its standard error is copied to `errors`.
+    /// Starts a process whose standard error is copied to `errors`.
     pub(super) fn start(
         mut command: Command,
         errors: impl Write + Send + 'static,
@@ -45,7 +45,7 @@ impl Process {
         Ok((process, input, output))
     }
 
-    /// How it ended, if it ends within this time.
+    /// Returns how the process ended, if it ends within this time.
     pub(super) fn ended(&mut self, within: Duration) -> Option<ExitStatus> {
         let looks = within.div_duration_f64(LOOK).ceil() as u64;
         for _ in 0..looks {
@@ -57,11 +57,11 @@ impl Process {
         self.child.try_wait().ok().flatten()
     }
 
-    /// How it ended, if it is about to, and the last line of its standard error.
+    /// Returns how the process ended, if it is about to end, and the last line of its standard error.
     pub(super) fn last_words(&mut self) -> (Option<ExitStatus>, Option<String>) {
         let status = self.ended(ENDING);
         if status.is_some() {
-            // Other processes may still hold its standard error open.
+            // Other processes may still hold the standard error open.
             let _ = self.silent.recv_timeout(ENDING);
         }
         let tail = self.tail.lock().unwrap_or_else(PoisonError::into_inner);
@@ -74,7 +74,7 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may already have ended.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -90,7 +90,7 @@ fn listen(
     let mut buffer = [0; 4096];
     while let Ok(count @ 1..) = said.read(&mut buffer) {
         let part = &buffer[..count];
-        // Also when nothing reads our own standard error, the driver may still write.
+        // The driver may still write, even if nothing reads our own standard error.
         let _ = errors.write_all(part);
         let mut tail = tail.lock().unwrap_or_else(PoisonError::into_inner);
         tail.extend(part);

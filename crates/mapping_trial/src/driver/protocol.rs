@@ -1,4 +1,4 @@
-//! The lines that a trial and a driver exchange, version 1.
+//! Version 1 of the driver protocol: the lines that a trial and a driver exchange.
 
 use envgen::geometry::Pose;
 use serde::{Deserialize, Serialize};
@@ -11,27 +11,27 @@ use crate::score::Scores;
 use crate::setting_limits::number;
 use crate::trial::{EndReason, Setup, TrialReport, TrialSettings};
 
-/// The protocol's name and version, as in the hello of both sides.
+/// Name and version of the protocol, as in the hello of both sides.
 pub const PROTOCOL: &str = "envgen-driver 1";
 
-/// Greatest speed in m/s and turn rate in rad/s that a reply may ask for; they are cut to the
-/// robot's own limits.
+/// Greatest speed in m/s and greatest turn rate in rad/s in a reply. They are clamped to the robot's
+/// own limits.
 const FASTEST: f64 = 1000.0;
 
-/// Greatest distance from the origin in metres of a pose, and greatest heading in radians.
+/// Greatest distance of a pose from the origin in metres, and greatest heading in radians.
 const FARTHEST: f64 = 1e6;
 
-/// Ticks from one observation to the next that a driver may ask for, at most: 10 s.
+/// Greatest number of ticks from one observation to the next that a driver may request: 10 s.
 const SLOWEST_RATE: u64 = 200;
 
 /// Greatest number of characters of a driver's name, and of its reason for giving up.
 const LONGEST_NAME: usize = 64;
 const LONGEST_REASON: usize = 500;
 
-/// Characters of a driver's line that an error shows.
+/// Number of characters of a driver's line that an error shows.
 const EXCERPT: usize = 80;
 
-/// The first line to a driver.
+/// The first line to a driver, which describes the trial.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "type", rename = "hello")]
 pub struct Hello {
@@ -41,7 +41,7 @@ pub struct Hello {
     battery: f64,
     robots: usize,
     starts: Vec<[f64; 3]>,
-    /// Least x and y, greatest x and y of the area to map.
+    /// Least x, least y, greatest x and greatest y of the area to map.
     area: [f64; 4],
     robot: RobotNumbers,
     laser: LaserNumbers,
@@ -61,7 +61,7 @@ struct RobotNumbers {
 
 #[derive(Clone, Debug, Serialize)]
 struct LaserNumbers {
-    /// In the robot's frame.
+    /// Pose in the robot's frame.
     pose: [f64; 3],
     beams: u32,
     first_angle: f64,
@@ -72,7 +72,7 @@ struct LaserNumbers {
 }
 
 impl Hello {
-    /// What a driver is sent before a trial.
+    /// Creates the hello of a trial.
     pub fn new(setup: &Setup<'_>) -> Self {
         let Setup { settings, starts, area, .. } = setup;
         let TrialSettings { body: robot, laser, time_limit, .. } = settings;
@@ -133,7 +133,7 @@ pub(super) struct Observed<'a> {
     pub(super) map: Option<Grid>,
 }
 
-/// What the wheels measured since something.
+/// What the wheels measured since some time.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(super) struct Odometry {
     pub(super) distance: f64,
@@ -181,10 +181,10 @@ pub struct Greeting {
     protocol: String,
     /// The driver's name.
     pub name: String,
-    /// Ticks from one observation of a robot to the next.
+    /// Number of ticks from one observation of a robot to the next.
     #[serde(default = "every_tick")]
     pub rate: u64,
-    /// Whether it estimates poses and map itself.
+    /// Whether the driver estimates poses and map itself.
     #[serde(default)]
     pub slam: bool,
 }
@@ -214,7 +214,7 @@ impl Greeting {
     }
 }
 
-/// What a driver can ask for.
+/// What a driver may request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Want {
@@ -294,14 +294,14 @@ fn pose([x, y, heading]: [f64; 3]) -> Result<Pose, DriverError> {
     Ok(Pose::new(x, y, heading))
 }
 
-/// A line for a driver, without its end.
+/// Returns a line for a driver, without its line end.
 pub(super) fn line(value: &impl Serialize) -> Result<Vec<u8>, DriverError> {
     Ok(serde_json::to_vec(value)?)
 }
 
-/// Reads a line of JSON; errors name the field.
+/// Reads a line of JSON. Errors name the field.
 fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
-    // Otherwise an array of the fields' values in their order would be accepted, too.
+    // Otherwise an array with the values of the fields in order would be accepted, too.
     if line.trim_ascii_start().starts_with(b"[") {
         let near = String::from_utf8_lossy(&line[..line.len().min(4 * EXCERPT)]);
         return Err(DriverError::NoReply(format!("not an object, in `{}`", excerpt(&near))));
@@ -313,7 +313,7 @@ fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
     found.map_err(|(path, error)| {
         let field = path.filter(|path| path != ".");
         let field = field.map_or(String::new(), |field| format!("`{}`: ", excerpt(&field)));
-        // The error shows the value, which may be as long as the line.
+        // The error contains the value, which may be as long as the line.
         let column = error.column();
         let what = error.to_string();
         let what = what.strip_suffix(&format!(" at line 1 column {column}")).unwrap_or(&what);
@@ -327,7 +327,7 @@ fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
     })
 }
 
-/// The beginning of a text that may be long and hold any characters.
+/// Returns the beginning of a text that may be long and contain any characters.
 pub(super) fn excerpt(text: &str) -> String {
     let mut short = String::new();
     for char in text.chars().take(EXCERPT) {
@@ -343,13 +343,13 @@ pub(super) fn excerpt(text: &str) -> String {
     short
 }
 
-/// x, y and heading.
+/// Returns x, y and heading.
 pub(super) fn triple(pose: Pose) -> [f64; 3] {
     [pose.position.x, pose.position.y, pose.heading]
 }
 
-/// The ranges of a scan in a line, in metres: the greatest range where there was no echo, `None` for
-/// a beam to be ignored, whether that is NaN or 0. JSON has neither infinity nor NaN.
+/// Writes the ranges of a scan for a line, in metres: the greatest range if there was no echo, and
+/// `None` for a beam to be ignored, whether its range is NaN or 0. JSON has neither infinity nor NaN.
 pub(super) fn ranges(scan: &Scan, max_range: f64, out: &mut Vec<Option<f64>>) {
     out.clear();
     out.extend(scan.ranges.iter().map(|&r| (r > 0.0).then_some(r.min(max_range))));

@@ -1,4 +1,5 @@
-//! The exchange with a driver: gathers what each robot observed, asks, and keeps the answers.
+//! The exchange with a driver: gathers what each robot observed, asks the driver, and keeps its
+//! answers.
 
 use std::time::Duration;
 
@@ -17,17 +18,17 @@ use crate::map::OccupancyMap;
 use crate::policy::Decision;
 use crate::trial::TrialReport;
 
-/// How long a driver may take to end after the last line before its process is ended.
+/// How long a driver may take to end after the last line, before its process is ended.
 const FAREWELL: Duration = Duration::from_secs(2);
 
-/// How long a line is waited for at the end that nobody asked for.
+/// How long to wait at the end for a line that nobody asked for.
 const LEFTOVER: Duration = Duration::from_millis(50);
 
 fn unasked(line: &[u8]) -> DriverError {
     DriverError::Unasked(excerpt(&String::from_utf8_lossy(line)))
 }
 
-/// What one robot's next line will hold, and what its last answer said.
+/// The contents of one robot's next line, and of its last answer.
 #[derive(Debug)]
 struct Gathered {
     ticks: u64,
@@ -73,7 +74,7 @@ impl Gathered {
         self.ticks += 1;
     }
 
-    /// What was sent is not sent again.
+    /// Marks observations as sent, so that they are not sent again.
     fn mark_sent(&mut self) {
         self.odometry = Odometry::default();
         self.scanned = false;
@@ -132,7 +133,7 @@ impl Session {
         self.greeting.as_ref().map(|greeting| greeting.name.as_str())
     }
 
-    /// Whether the driver estimates poses and map itself.
+    /// Returns whether the driver estimates poses and map itself.
     pub(super) fn has_slam(&self) -> bool {
         self.greeting.as_ref().is_some_and(|greeting| greeting.slam)
     }
@@ -146,14 +147,14 @@ impl Session {
         self.failure.get_or_insert_with(|| format!("{error} (observation {id}, at {time:.2} s)"));
     }
 
-    /// The driver's last decision for a robot; `None` once it failed.
+    /// Returns the driver's last decision on a robot; `None` once the driver has failed.
     pub(super) fn decision(&self, robot: usize) -> Option<Decision> {
         let gathered = self.robots.get(robot).filter(|_| self.failure.is_none());
         gathered.map(|gathered| gathered.decision)
     }
 
-    /// A tick of a robot: asks the driver if it is due, and returns its estimates.
-    /// `known` are pose and map if the driver does not estimate them itself.
+    /// Runs a tick of a robot: asks the driver if it is due, and returns its estimates. `known` are
+    /// pose and map if the driver does not estimate them itself.
     pub(super) fn tick(
         &mut self,
         robot: usize,
@@ -227,8 +228,8 @@ impl Session {
         })
     }
 
-    /// A driver that is gone or has closed one of its ends; says how its process ended, if it has.
-    /// Which end was seen to close first means nothing then.
+    /// The error of a driver that is gone or has closed one of its ends. It says how the process ended,
+    /// if it has; which end was seen to close first means nothing then.
     fn gone(&mut self, what: &str, half: &str) -> DriverError {
         let Some(process) = &mut self.process else {
             return DriverError::Gone(format!("it {what}{half}"));
@@ -245,7 +246,7 @@ impl Session {
     }
 
     pub(super) fn end(&mut self, report: Option<&TrialReport>) {
-        // One line too many, and all later answers were those to the lines before.
+        // There was one line too many, and all later answers were those to the previous lines.
         if self.failure.is_none()
             && let Some(line) = self.link.leftover(LEFTOVER)
         {
@@ -253,9 +254,9 @@ impl Session {
         }
         let last = line(&Ended::new(report, self.failure.as_deref()));
         self.link.close(last.ok());
-        // A driver that failed may hang; its state no longer matters.
+        // A driver that has failed may hang, and its state no longer matters.
         if self.failure.is_none() {
-            // The program may end before the thread that writes.
+            // The program may end before the writing thread does.
             self.link.finish_writing(FAREWELL);
             if let Some(process) = &mut self.process {
                 process.ended(FAREWELL);
