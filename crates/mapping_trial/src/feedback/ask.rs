@@ -1,4 +1,4 @@
-//! The form on a terminal.
+//! Asks the questions of the form on a terminal.
 
 use std::fmt::Display;
 use std::io::{self, BufRead, Read, Write};
@@ -11,17 +11,17 @@ use super::form::{Feedback, Session};
 use super::questions;
 use super::rating::Rating;
 
-/// The longest answer in bytes.
+/// Greatest length of an answer in bytes.
 pub const MAX_LINE: usize = 1 << 16;
 
-/// Why the form was not filled.
+/// An error for which the form was not filled.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FeedbackError {
-    /// The terminal cannot be read or written.
+    /// Reading from or writing to the terminal failed.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The input ends before the form does.
+    /// The input ended before the form did.
     #[error("the input ends at the question: {question}")]
     End {
         /// The question without an answer.
@@ -32,9 +32,10 @@ pub enum FeedbackError {
     Long,
 }
 
-/// Asks the questions of the form in its order, one line per answer. What is known of the session
-/// is shown in brackets, and an empty answer keeps it; an answer that is not allowed is asked for
-/// again.
+/// Asks the questions of the form in order, with one line per answer.
+///
+/// What is known of the session is shown in brackets, and an empty answer keeps it. An answer that is
+/// not allowed is asked for again.
 ///
 /// ```
 /// use mapping_trial::feedback::{Connection, Experience, Session, ask};

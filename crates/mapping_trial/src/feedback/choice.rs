@@ -1,4 +1,4 @@
-//! The form's choices.
+//! The choices in the form.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// An enum whose variants have names in the form and in files.
+/// Declares an enum whose variants have names in the form and in files.
 macro_rules! choices {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $text:literal,)+ }) => {
         $(#[$doc])*
@@ -17,7 +17,7 @@ macro_rules! choices {
         }
 
         impl $name {
-            /// Every choice, in the form's order.
+            /// All choices, in the order of the form.
             pub const ALL: &'static [$name] = &[$($name::$variant),+];
         }
 
@@ -32,7 +32,7 @@ macro_rules! choices {
         impl FromStr for $name {
             type Err = NoChoice;
 
-            /// By name in upper or lower case, or by number from 1.
+            /// Parses a name, in upper or lower case, or a number from 1.
             fn from_str(text: &str) -> Result<Self, NoChoice> {
                 let text = text.trim();
                 let number = text.parse::<usize>().ok().and_then(|n| n.checked_sub(1));
@@ -51,29 +51,29 @@ macro_rules! choices {
 choices! {
     /// Experience as an operator.
     Experience {
-        /// None.
+        /// No experience.
         #[default]
         None = "none",
-        /// From experiments.
+        /// Experience from experiments.
         Experimental = "experimental",
-        /// From one competition.
+        /// Experience from one competition.
         SingleCompetition = "single competition",
-        /// From several competitions.
+        /// Experience from several competitions.
         MultipleCompetitions = "multiple competitions",
     }
 }
 
 choices! {
-    /// How a robot and its operator are connected, as in `USARSim`.
+    /// How a robot is connected with its operator, as in `USARSim`.
     Connection {
-        /// Always.
+        /// Always connected.
         #[default]
         Direct = "Direct",
-        /// By a model of radio propagation.
+        /// Connected by a model of radio propagation.
         PropagationModel = "PropagationModel",
-        /// Up to a distance.
+        /// Connected up to a distance.
         DistanceOnly = "DistanceOnly",
-        /// By a model of radio propagation that includes obstacles.
+        /// Connected by a model of radio propagation that includes obstacles.
         ObstaclePropagationModel = "ObstaclePropagationModel",
     }
 }

@@ -12,17 +12,17 @@ use crate::robot::Robot;
 pub struct Feedback {
     /// Name of the operator: a person, a policy or a driver.
     pub name: String,
-    /// Experience level as operator.
+    /// The operator's experience level.
     pub experience: Experience,
-    /// The environment and the setup, which the form asks for as well.
+    /// The environment and the setup, for which the form asks as well.
     #[serde(flatten)]
     pub session: Session,
-    /// Overall difficulty of the environment: 0 when nothing in it forces a mapping error on the
-    /// robot, 10 when the map cannot be navigated, due to excessive mapping errors.
+    /// Overall difficulty of the environment: 0 if nothing in it forces a mapping error on the robot,
+    /// 10 if the map cannot be navigated due to excessive mapping errors.
     pub difficulty: Rating,
-    /// How difficult it was to map. Not in the original form.
+    /// Difficulty of mapping. It is not in the original form.
     pub mapping: Rating,
-    /// How difficult it was to get around. Not in the original form.
+    /// Difficulty of getting around. It is not in the original form.
     pub getting_around: Rating,
     /// What contributed most to the difficulty.
     pub contributed: String,
@@ -30,14 +30,14 @@ pub struct Feedback {
     pub difficult_rooms: String,
     /// Rooms that were particularly easy, and why.
     pub easy_rooms: String,
-    /// Patterns in the layout (hallways, dead ends, doorways), and what they did.
+    /// Patterns in the layout (hallways, dead ends, doorways), and their effects.
     pub patterns: String,
     /// Anything else.
     pub other: String,
 }
 
 impl Feedback {
-    /// The ratings, in the order of the dials that they are ratings of.
+    /// Returns the ratings as the dials that they rate.
     pub fn ratings(&self) -> Dials<Rating> {
         Dials {
             difficulty: self.difficulty,
@@ -46,7 +46,7 @@ impl Feedback {
         }
     }
 }
-/// What was mapped, and with what.
+/// The environment and the setup of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Session {
     /// File or name of the environment.
@@ -60,7 +60,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// A run of this crate: robots of one type, under direct control.
+    /// Describes a run of this crate: robots of one type, under direct control.
     pub fn new(environment: &str, robots: usize, robot: &Robot) -> Self {
         let kind = match *robot == Robot::default() {
             true => "P3AT".to_owned(),

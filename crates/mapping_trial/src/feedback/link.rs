@@ -1,4 +1,4 @@
-//! Links the ratings of people to the scale of measured difficulty.
+//! Linking: brings the ratings of people onto the scale of measured difficulty.
 
 use std::collections::BTreeMap;
 
@@ -14,47 +14,49 @@ use crate::difficulty::proof::Link;
 use crate::experiment::stats::half_interval;
 use crate::experiment::stats::{Interval, pearson};
 
-/// The fewest sessions that are linked.
+/// Least number of sessions that can be linked.
 pub const LEAST_SESSIONS: usize = 3;
 
-/// The greatest share of features outside the atlas with which a prediction is relied on.
+/// Greatest fraction of features outside the atlas for which a prediction is used.
 const MOST_OUTSIDE: f64 = 0.1;
 
-/// Ratings and difficulties that differ by no more are the same: means of equal numbers differ by rounding.
+/// Ratings and difficulties that differ by at most this are equal, since means of equal numbers differ
+/// by rounding.
 const SAME: f64 = 1e-9;
 
-/// Where the difficulty of a world by the reference panel is known from.
+/// The source of a world's difficulty by the reference panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DifficultySource {
-    /// Trials of the panel, as the world's provenance says.
+    /// Measured by trials of the panel, as recorded in the world's provenance.
     Measured,
-    /// The calibration of its kind; that of indoor maps for worlds of other tools.
+    /// Predicted by the calibration of the world's kind, or by that of indoor maps for worlds of other
+    /// tools.
     Predicted,
 }
 
 /// The difficulty of a world by the reference panel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PanelDifficulty {
-    /// Where it is known from.
+    /// The source of the difficulty.
     pub source: DifficultySource,
     /// The dials, with standard errors.
     pub dials: Dials<Estimate>,
 }
 
-/// Why the difficulty of a world by the reference panel is not known.
+/// An error for which a world has no difficulty by the reference panel.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum UnknownDifficulty {
-    /// It was not measured, and has no difficulty vector.
+    /// The world was not measured, and has no difficulty vector.
     #[error(transparent)]
     Vector(#[from] DifficultyError),
-    /// It was not measured, and there are no predictions for its kind.
+    /// The world was not measured, and there are no predictions for its kind.
     #[error(
         "there are no predictions for worlds of the kind {0}, expected one whose difficulty was measured"
     )]
     Kind(String),
-    /// It was not measured, and is unlike the worlds that predictions come from.
+    /// The world was not measured, and is unlike the worlds that predictions come from.
     #[error(
         "{:.0} % of the features of the world lie outside what the atlas has, expected at most {:.0} %, or a \
          world whose difficulty was measured",
@@ -62,16 +64,18 @@ pub enum UnknownDifficulty {
         100.0 * MOST_OUTSIDE
     )]
     Outside {
-        /// The share of the features that lie outside the atlas.
+        /// Fraction of the features that lie outside the atlas.
         outside: f64,
     },
 }
 
 impl PanelDifficulty {
-    /// The difficulty of a world: measured by the reference panel if its provenance says so, predicted otherwise.
+    /// Returns the difficulty of a world: measured by the reference panel if its provenance has the
+    /// measurement, otherwise predicted.
     ///
     /// # Errors
-    /// If it was not measured and cannot be predicted.
+    ///
+    /// If the world was not measured and its difficulty cannot be predicted.
     pub fn of(world: &World) -> Result<Self, UnknownDifficulty> {
         let panel = Panel::reference();
         let measured = world.provenance.measured.as_deref();
@@ -93,34 +97,34 @@ impl PanelDifficulty {
     }
 }
 
-/// A rating of a world, beside its difficulty by the reference panel.
+/// A rating of a world, together with its difficulty by the reference panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatedWorld<'a> {
-    /// What distinguishes the world, such as its digest.
+    /// An identifier of the world, such as its digest.
     pub world: &'a str,
     /// The rating.
     pub rating: Rating,
-    /// The dial of the panel that it is a rating of.
+    /// The dial of the panel that corresponds to the rating.
     pub difficulty: f64,
 }
 
-/// Why ratings are not linked.
+/// An error for which ratings cannot be linked.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LinkError {
-    /// Too few sessions.
+    /// There are too few sessions.
     #[error("{sessions} sessions are rated, expected at least {LEAST_SESSIONS}")]
     Few {
         /// Number of sessions.
         sessions: usize,
     },
-    /// All were of one world.
+    /// All sessions were in one world.
     #[error("all {sessions} sessions were in the same world, expected at least two worlds")]
     OneWorld {
         /// Number of sessions.
         sessions: usize,
     },
-    /// All worlds are rated the same.
+    /// All worlds have the same rating.
     #[error("all {worlds} worlds are rated {rating:.1}, expected ratings that differ")]
     SameRating {
         /// Number of worlds.
@@ -128,7 +132,7 @@ pub enum LinkError {
         /// Their rating.
         rating: f64,
     },
-    /// All worlds are as difficult.
+    /// All worlds have the same difficulty.
     #[error("all {worlds} worlds have the difficulty {difficulty:.1}, expected some that differ")]
     SameDifficulty {
         /// Number of worlds.
@@ -146,8 +150,8 @@ pub enum LinkError {
     },
 }
 
-/// The link from ratings to the scale of the reference panel: linked ratings have the mean and the
-/// standard deviation that the panel has over the worlds that were rated,
+/// A link from ratings to the scale of the reference panel. Over the rated worlds, linked ratings have
+/// the mean and the standard deviation of the panel's difficulties,
 /// `L(x) = mean_R + sd_R / sd_x (x - mean_x)`.
 ///
 /// ```
@@ -164,11 +168,11 @@ pub enum LinkError {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RatingLink {
-    /// The link, with the number of worlds.
+    /// The linear function, with the number of worlds.
     pub link: Link,
     /// Number of sessions.
     pub sessions: usize,
-    /// Pearson's correlation of ratings and difficulties over the worlds.
+    /// Pearson's correlation between ratings and difficulties over the worlds.
     pub correlation: f64,
     /// Mean of the worlds' ratings.
     pub rating_mean: f64,
@@ -177,10 +181,12 @@ pub struct RatingLink {
 }
 
 impl RatingLink {
-    /// Links the ratings of sessions; those of one world count as one, with their mean.
+    /// Links the ratings of sessions. Those of one world count as one, with their mean.
     ///
     /// # Errors
-    /// With under [`LEAST_SESSIONS`] sessions, and where ratings or difficulties do not differ.
+    ///
+    /// If there are fewer than [`LEAST_SESSIONS`] sessions, or if worlds, ratings or difficulties do
+    /// not differ.
     pub fn new(sessions: &[RatedWorld<'_>]) -> Result<Self, LinkError> {
         if sessions.len() < LEAST_SESSIONS {
             return Err(LinkError::Few { sessions: sessions.len() });
@@ -221,19 +227,20 @@ impl RatingLink {
         Ok(RatingLink { link, sessions, correlation, rating_mean, rating_deviation })
     }
 
-    /// A rating on the scale of the panel, with an interval of 95 % for where the link over very many worlds would
-    /// place it. Its bounds are infinite for a link over two worlds.
+    /// Converts a rating to the scale of the panel, with a 95 % interval of where a link over very many
+    /// worlds would place it. The bounds are infinite for a link over two worlds.
     ///
-    /// The standard error is that of linear equating where the same worlds have both numbers and these are normal,
-    /// `sd_R sqrt((1 - r) (2 + (1 + r) z^2) / n)` at z deviations from the mean rating (M. J. Kolen and R. L. Brennan,
-    /// *Test Equating, Scaling, and Linking*, chapter 7,
-    /// <https://doi.org/10.1007/978-1-4939-0317-7>), with Student's quantile for n - 2 degrees of freedom.
+    /// The standard error is that of linear equating if the same worlds have both numbers and these are
+    /// normally distributed, `sd_R sqrt((1 - r) (2 + (1 + r) z^2) / n)` at z deviations from the mean
+    /// rating (M. J. Kolen and R. L. Brennan, *Test Equating, Scaling, and Linking*, chapter 7,
+    /// <https://doi.org/10.1007/978-1-4939-0317-7>). The interval uses Student's quantile for n - 2
+    /// degrees of freedom.
     pub fn apply(&self, rating: Rating) -> Interval {
         let value = self.link.apply(rating.value());
         let n = self.link.maps as f64;
         let z = (rating.value() - self.rating_mean) / self.rating_deviation;
         let r = self.correlation;
-        // Of the sample, not of the worlds at hand.
+        // The deviation of the sample, not of the worlds at hand.
         let deviation = self.link.slope * self.rating_deviation;
         let variance = deviation * deviation * n / (n - 1.0);
         let error = (variance * (1.0 - r) * (2.0 + (1.0 + r) * z * z) / n).sqrt();

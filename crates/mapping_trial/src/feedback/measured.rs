@@ -1,4 +1,4 @@
-//! The form as filled from measurements, for a trial that a policy drove.
+//! Fills the form from measurements, for trials that a policy drove.
 
 use envgen::World;
 use envgen::geometry::Pose;
@@ -19,17 +19,17 @@ const NAMED: usize = 3;
 /// Least time in seconds in a room for the room to be reported.
 const KNOWN: f64 = 5.0;
 
-/// Distance in metres up to which a doorway is near.
+/// Distance in metres up to which a doorway counts as near.
 const NEAR: f64 = 1.0;
 
-/// Path length in metres before and after a point between which a robot has turned back if it came
-/// within [`BACK`] of where it was.
+/// Path length in metres before and after a point: a robot has turned back there if it came within
+/// [`BACK`] of where it was.
 const STRETCH: f64 = 2.0;
 
 /// See [`STRETCH`].
 const BACK: f64 = 0.5;
 
-/// What is known of a run when the form is filled.
+/// The data of a run from which the form is filled.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured<'a> {
     /// Name of the policy or driver.
@@ -61,9 +61,11 @@ impl Stay {
 }
 
 impl Measured<'_> {
-    /// Fills the form. The ratings are the scores D, M and N; every answer states what was measured.
+    /// Fills the form. The ratings are the scores D, M and N, and every answer states what was
+    /// measured.
     ///
     /// # Errors
+    ///
     /// If a score is not a rating from 0 to 10.
     pub fn fill(&self, session: &Session) -> Result<Feedback, NoRating> {
         let looks = self.looks();
@@ -92,7 +94,7 @@ impl Measured<'_> {
         })
     }
 
-    /// How much each part adds to M and to N, the largest first.
+    /// States how much each part adds to M and to N, the largest first.
     fn contributed(&self) -> String {
         let (s, w) = (self.scores, Weights::default());
         let list = |mut parts: Vec<(&str, f64)>| {
@@ -119,7 +121,7 @@ impl Measured<'_> {
         )
     }
 
-    /// Each robot's sampled poses, with the growth of its error until the next sample.
+    /// Returns each robot's sampled poses, with the growth of its error until the next sample.
     fn looks(&self) -> Vec<Vec<(Pose, f64)>> {
         let looks = |track: &TrajectoryPair<'_>| {
             let error = |i: usize| {
@@ -202,7 +204,8 @@ impl Measured<'_> {
     }
 }
 
-/// How often a robot turned back, and time and error from [`STRETCH`] before to [`STRETCH`] after.
+/// Returns how often a robot turned back, and the time and the error from [`STRETCH`] before to
+/// [`STRETCH`] after.
 fn turn_backs(track: &[(Pose, f64)]) -> (u32, Stay) {
     let mut gone = Vec::with_capacity(track.len());
     let mut distance = 0.0;

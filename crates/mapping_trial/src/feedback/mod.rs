@@ -1,5 +1,5 @@
-//! The form that an operator fills after a run: appendix B of Zwennes (2011), and two questions
-//! that separate what its one rating mixed.
+//! The form that an operator fills after a run: appendix B of Zwennes (2011), with two more questions
+//! that separate what its single rating mixes.
 
 mod ask;
 mod choice;

@@ -1,4 +1,4 @@
-//! The form's questions, in its words.
+//! The questions of the form, in its own words.
 
 /// The form's title.
 pub const TITLE: &str = "Robot Mapping Feedback Form";
@@ -9,7 +9,7 @@ pub const NAME: &str = "Name";
 /// The operator's experience.
 pub const EXPERIENCE: &str = "Experience level as operator";
 
-/// What was mapped.
+/// The environment that was mapped.
 pub const ENVIRONMENT: &str = "Name of the map/environment";
 
 /// The software that ran the simulation.
@@ -21,7 +21,7 @@ pub const CONNECTION: &str = "Connection";
 /// The robots.
 pub const ROBOTS: &str = "Number and type of robots";
 
-/// The form's one rating.
+/// The single rating of the original form.
 pub const DIFFICULTY: &str =
     "Overall, how would you rate the difficulty of the environment in terms of mapping?";
 
@@ -32,10 +32,10 @@ pub const DIFFICULTY_0: &str = "0: nothing in it 'forces' a mapping error on the
 pub const DIFFICULTY_10: &str =
     "10: the map cannot be properly navigated, due to excessive mapping errors";
 
-/// Mapping alone; not in the original form.
+/// Mapping alone, which is not in the original form.
 pub const MAPPING: &str = "How difficult was it to map?";
 
-/// Getting around alone; not in the original form.
+/// Getting around alone, which is not in the original form.
 pub const GETTING_AROUND: &str = "How difficult was it to get around?";
 
 /// What made it difficult.
@@ -52,5 +52,5 @@ pub const EASY_ROOMS: &str = "Were there rooms that were particularly easy to ma
 pub const PATTERNS: &str = "What patterns did you notice in the layout (hallways, dead ends, \
                             doorways), and what effect did each have on the difficulty?";
 
-/// All else.
+/// Anything else.
 pub const OTHER: &str = "Is there anything else that stood out?";

@@ -26,7 +26,7 @@ pub struct Rating(f64);
 pub struct NoRating(String);
 
 impl Rating {
-    /// The rating as a number.
+    /// Returns the rating as a number.
     pub fn value(self) -> f64 {
         self.0
     }
