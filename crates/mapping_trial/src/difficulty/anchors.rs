@@ -1,4 +1,4 @@
-//! Anchors: the worlds that fix 0 and 10 of the scale.
+//! Anchors: the worlds that fix 0 and 10 of the difficulty scale.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use crate::experiment::survey::{Family, Record, Survey, SurveyError, SurveyNoise
 
 const FIRST: &str = include_str!("anchors_1.ron");
 
-/// Worlds that are easy, and worlds that are as hard as robots can still pass.
+/// Easy worlds, and worlds that are as difficult as robots can still pass.
 ///
 /// ```
 /// use mapping_trial::difficulty::{Anchors, Panel};
@@ -25,19 +25,20 @@ const FIRST: &str = include_str!("anchors_1.ron");
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Anchors {
-    /// Their version.
+    /// Version of the anchors.
     pub version: u32,
     /// Worlds of difficulty 0: empty rooms whose walls a laser sees.
     pub easy: Vec<Family>,
-    /// Worlds of difficulty 10: narrow doorways, floors on which wheels slip and measure too far, and dark
-    /// walls.
+    /// Worlds of difficulty 10: narrow doorways, dark walls, and floors on which wheels slip and
+    /// measure too far.
     pub hard: Vec<Family>,
 }
 
 impl Anchors {
-    /// The anchors of the scale, 20 worlds of each kind.
+    /// Returns the anchors of the scale, 20 worlds of each kind.
     ///
     /// # Panics
+    ///
     /// Never: the file is part of the crate, and tested.
     pub fn first() -> Self {
         Self::from_ron(FIRST).expect("anchors_1.ron has anchors")
@@ -46,27 +47,28 @@ impl Anchors {
     /// Reads anchors from RON.
     ///
     /// # Errors
-    /// Line and column of a mistake, or the first value that is not allowed.
+    ///
+    /// Returns line and column of a syntax error, or names the first value that is not allowed.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
         let anchors: Anchors = ron_options().from_str(text).map_err(Box::new)?;
         anchors.survey(&Panel::reference(), 1).validate()?;
         Ok(anchors)
     }
 
-    /// The survey of the anchors under a panel; the easy worlds come first.
+    /// Returns the survey of the anchors under a panel. The easy worlds come first.
     pub fn survey(&self, panel: &Panel, noise_seeds: u32) -> Survey {
         let families = self.easy.iter().chain(&self.hard).cloned().collect();
         let conditions = panel.conditions.clone();
         Survey { families, conditions, noise_seeds, noise: SurveyNoise::Own }
     }
 
-    /// Number of the anchors in which some trial cannot run.
+    /// Returns the number of anchors in which some trial cannot run.
     pub fn failed<'a>(&self, records: impl IntoIterator<Item = &'a Record>) -> usize {
         let failed = records.into_iter().filter(|record| record.scores.is_none());
         failed.map(|record| record.map).collect::<BTreeSet<u32>>().len()
     }
 
-    /// Width of the narrowest doorways in metres; `None` without any.
+    /// Returns the width of the narrowest doorways in metres; `None` if there are none.
     pub fn narrowest_doorway(&self) -> Option<f64> {
         let doorway = |family: &Family| match &family.spec {
             WorldSpec::Indoor(spec) => Some(spec.doorway_narrowest.unwrap_or(spec.doorway)),
@@ -75,11 +77,13 @@ impl Anchors {
         self.easy.iter().chain(&self.hard).filter_map(doorway).min_by(f64::total_cmp)
     }
 
-    /// The scale of a panel, from the trials of its [survey](Anchors::survey) of these anchors, without those that
-    /// [failed](Anchors::failed).
+    /// Returns the scale of a panel, from the trials of its [survey](Anchors::survey) of these anchors,
+    /// without those that [failed](Anchors::failed).
     ///
     /// # Errors
-    /// In all easy or all hard anchors some trial failed; the hard anchors do not score more than the easy ones.
+    ///
+    /// If some trial failed in all easy or in all hard anchors, or if the hard anchors do not score
+    /// more than the easy ones.
     pub fn scale<'a>(
         &self,
         panel: &Panel,
@@ -93,7 +97,7 @@ impl Anchors {
             .map(|record| record.map)
             .collect();
         let (mut zero, mut ten) = (Vec::new(), Vec::new());
-        // An anchor that some conditions cannot map would count the others more.
+        // An anchor that some conditions cannot map would give the other conditions more weight.
         for record in records.iter().filter(|record| !failed.contains(&record.map)) {
             let to = if u64::from(record.map) < easy { &mut zero } else { &mut ten };
             to.extend(record.scores.as_ref().map(scores));
@@ -119,7 +123,8 @@ impl Anchors {
     }
 }
 
-/// The scale of the [reference panel](Panel::reference), as measured with the [first](Anchors::first) anchors.
+/// Returns the scale of the [reference panel](Panel::reference), as measured with the
+/// [first](Anchors::first) anchors.
 ///
 /// ```
 /// use mapping_trial::difficulty::{Panel, reference_scale};

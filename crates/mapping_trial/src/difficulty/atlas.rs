@@ -1,4 +1,4 @@
-//! Atlases: many worlds that were measured, from which predictions are fitted.
+//! Atlases: sets of measured worlds to which predictions are fitted.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ const INDOOR: &str = include_str!("atlas/indoor.ron");
 const HALLWAY: &str = include_str!("atlas/hallway.ron");
 const FOREST: &str = include_str!("atlas/forest.ron");
 
-/// Which worlds an atlas has.
+/// The design of an atlas: which worlds it has.
 ///
 /// ```
 /// use envgen::WorldKind;
@@ -47,10 +47,10 @@ pub enum AtlasDesign {
     },
     /// Worlds of which some settings are drawn.
     Drawn {
-        /// The spec with the other settings.
+        /// The spec with all other settings.
         spec: Box<WorldSpec>,
-        /// Least and greatest value of each setting that is drawn, all values between them with the same
-        /// probability, the ends of whole numbers with half of it.
+        /// Least and greatest value of each drawn setting. All values between them have the same
+        /// probability; the two ends of integers have half of it.
         drawn: BTreeMap<String, [f64; 2]>,
         /// Number of worlds.
         maps: u32,
@@ -63,18 +63,20 @@ pub enum AtlasDesign {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AtlasSize {
-    /// Columns.
+    /// Number of columns.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
     /// Number of worlds.
     pub maps: u32,
 }
 
 impl AtlasDesign {
-    /// The design of the atlas that a calibration of `envgen` was fitted to; `None` for kinds that have none.
+    /// Returns the design of the atlas to which a calibration of `envgen` was fitted; `None` for kinds
+    /// that have none.
     ///
     /// # Panics
+    ///
     /// Never: the files are part of the crate, and tested.
     pub fn of(kind: WorldKind) -> Option<Self> {
         let text = match kind {
@@ -89,12 +91,13 @@ impl AtlasDesign {
     /// Reads a design from RON.
     ///
     /// # Errors
-    /// Line and column of a mistake.
+    ///
+    /// Returns line and column of a syntax error.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
         Ok(ron_options().from_str(text).map_err(Box::new)?)
     }
 
-    /// The kind of its worlds.
+    /// Returns the kind of its worlds.
     pub fn kind(&self) -> WorldKind {
         match self {
             AtlasDesign::Indoor { .. } => WorldKind::Indoor,
@@ -102,11 +105,12 @@ impl AtlasDesign {
         }
     }
 
-    /// The survey of the atlas: every world under every condition once.
+    /// Returns the survey of the atlas, which has every world under every condition once.
     ///
     /// # Errors
-    /// A setting that is not there, or not a number, or a range of it that is not allowed; a size that maps cannot
-    /// have; more worlds than a survey may have trials.
+    ///
+    /// If a setting does not exist or is not a number, if its range is not allowed, if maps cannot have
+    /// a size, or if there would be more worlds than a survey may have trials.
     pub fn survey(&self, panel: &Panel) -> Result<Survey, SettingsError> {
         self.check()?;
         let families = match self {
@@ -122,7 +126,7 @@ impl AtlasDesign {
 }
 
 impl AtlasDesign {
-    /// Checks what is not checked world by world.
+    /// Checks what is not checked for each world.
     fn check(&self) -> Result<(), SpecError> {
         let maps: u64 = match self {
             AtlasDesign::Indoor { sizes, .. } => {
@@ -149,7 +153,7 @@ impl AtlasDesign {
     }
 }
 
-/// Sizes take turns, so that a part of the survey has worlds of all sizes.
+/// Creates indoor maps in which sizes take turns, so that a part of the survey has worlds of all sizes.
 fn indoor(sizes: &[AtlasSize], first_seed: Seed) -> Vec<Family> {
     let most = sizes.iter().map(|size| size.maps).max().unwrap_or(0);
     let mut families = Vec::new();
@@ -190,10 +194,11 @@ fn family(
     Ok(Family { name: format!("{} {seed}", spec.kind().name()), spec, maps: 1, first_seed: seed })
 }
 
-/// What is known of the worlds of an atlas: those under all of whose conditions a trial ended.
+/// Returns the samples of an atlas: its worlds of which all trials have scores.
 ///
 /// # Errors
-/// A world that cannot be generated, or has no difficulty vector.
+///
+/// If a world cannot be generated, or if it has no difficulty vector.
 pub fn samples(
     survey: &Survey,
     records: &[&Record],
@@ -224,11 +229,12 @@ fn sample(map: &SurveyMap<'_>, dials: Dials<f64>) -> Result<Sample, ExperimentEr
     Sample::new(spec, &blueprint.to_world(), dials).map_err(|error| failed(error.to_string()))
 }
 
-/// The samples as a Parquet file, one world per row: what its settings say, the features of its difficulty
-/// vector, and its measured dials.
+/// Returns the samples as a Parquet file, with one world per row: terms of its settings, the features
+/// of its difficulty vector, and its measured dials.
 ///
 /// # Errors
-/// The file cannot be written.
+///
+/// If the file cannot be written.
 pub fn table(samples: &[Sample]) -> Result<Vec<u8>, ExperimentError> {
     let column = |name: String, value: &dyn Fn(&Sample) -> Option<f64>| table::Column {
         name,

@@ -7,30 +7,31 @@ use thiserror::Error;
 
 use super::ridge;
 
-/// Version of the calibrations that this crate fits: it rises when inputs, models or atlases change.
+/// Version of the calibrations that this crate fits. It rises when inputs, models or atlases change.
 const CALIBRATION_VERSION: u32 = 2;
 
-/// Inputs that vary less in the atlas than this are left out.
+/// Least standard deviation of an input in the atlas. Inputs that vary less are left out.
 const LEAST_DEVIATION: f64 = 1e-6;
 
-/// Least standard error of predictions.
+/// Least standard error of a prediction.
 const LEAST_ERROR: f64 = 0.1;
 
-/// A world of an atlas: what is known of it, and what was measured.
+/// A measured world of an atlas, with what predictions can use.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// The features of its difficulty vector, in order.
     pub features: Vec<Option<f64>>,
-    /// What its settings say; nothing for kinds that are not drawn by difficulty.
+    /// The terms of its settings; empty for kinds that are not drawn by difficulty.
     pub terms: Vec<(&'static str, f64)>,
-    /// Its dials.
+    /// Its measured dials.
     pub dials: Dials<f64>,
 }
 
 impl Sample {
-    /// The sample of a world that was measured.
+    /// Creates the sample of a measured world.
     ///
     /// # Errors
+    ///
     /// If the world has no difficulty vector.
     pub fn new(
         spec: &WorldSpec,
@@ -46,18 +47,19 @@ impl Sample {
     }
 }
 
-/// The fewest samples that models are fitted to: one for each fold of the cross-validation.
+/// Least number of samples to which models are fitted: one for each fold of the cross-validation.
 pub const LEAST_SAMPLES: usize = ridge::FOLDS;
 
-/// So few samples say nothing.
+/// The error that there are too few samples for a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("all trials of {0} worlds are finished, expected at least {LEAST_SAMPLES}")]
 pub struct TooFewSamples(pub usize);
 
-/// Fits all models to the samples of an atlas of worlds of a kind.
+/// Fits all models to the samples of an atlas of worlds of one kind.
 ///
 /// # Errors
-/// Fewer than [`LEAST_SAMPLES`].
+///
+/// If there are fewer than [`LEAST_SAMPLES`].
 pub fn calibrate(
     kind: WorldKind,
     atlas: Atlas,
@@ -87,7 +89,7 @@ pub fn calibrate(
     })
 }
 
-/// The values of each dial in order, to a hundredth.
+/// The values of each dial in order, rounded to a hundredth.
 fn sorted(dials: &[Dials<f64>]) -> Dials<Vec<f64>> {
     let values = |of: fn(&Dials<f64>) -> f64| {
         let mut all: Vec<f64> = dials.iter().map(|one| (100.0 * of(one)).round() / 100.0).collect();
@@ -101,7 +103,7 @@ fn sorted(dials: &[Dials<f64>]) -> Dials<Vec<f64>> {
     }
 }
 
-/// Models of all dials from columns of inputs, one value per sample.
+/// Fits models of all dials to columns of inputs, which have one value per sample.
 fn models<'a>(
     columns: impl Iterator<Item = (&'a str, Vec<Option<f64>>)>,
     dials: &[Dials<f64>],
@@ -125,7 +127,7 @@ fn models<'a>(
     DialModels { inputs, models }
 }
 
-/// How an input is distributed; `None` if it does not vary.
+/// The distribution of an input; `None` if it does not vary.
 fn input(name: &str, values: &[Option<f64>]) -> Option<Input> {
     let mut known: Vec<f64> = values.iter().flatten().copied().filter(|v| *v > 0.0).collect();
     known.sort_by(f64::total_cmp);
@@ -155,9 +157,9 @@ fn linear_model(rows: &[Vec<f64>], values: &[f64]) -> LinearModel {
     }
 }
 
-/// The standard error at 0 and at 10: a line through the absolute errors over the predictions.
+/// The standard errors at 0 and at 10, from a line through the absolute errors over the predictions.
 fn standard_errors(predicted: &[f64], values: &[f64]) -> [f64; 2] {
-    // The mean absolute value of a normal number is the root of 2 / pi of its deviation.
+    // The mean absolute value of a normal number is its deviation times the root of 2 / pi.
     let to_deviation = (0.5 * std::f64::consts::PI).sqrt();
     let errors: Vec<f64> =
         predicted.iter().zip(values).map(|(a, b)| to_deviation * (a - b).abs()).collect();

@@ -1,4 +1,4 @@
-//! Measures how difficult a world is: trials of a panel in it.
+//! Measures the difficulty of a world by trials of a panel in it.
 
 use envgen::calibration::{Dials, Estimate, Scale};
 use envgen::{MeasuredDifficulty, Seed, World};
@@ -16,7 +16,7 @@ use crate::trial::{EndReason, LogWorld};
 /// Weight of the usual variance, in degrees of freedom.
 const USUAL_WEIGHT: f64 = 6.0;
 
-/// Why the difficulty of a world cannot be measured.
+/// An error for which the difficulty of a world cannot be measured.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeasureError {
@@ -25,10 +25,10 @@ pub enum MeasureError {
     Trial {
         /// Name of the condition.
         condition: String,
-        /// Why.
+        /// Why no trial can run.
         reason: String,
     },
-    /// A driver failed under a condition, which says nothing of the world.
+    /// A driver failed under a condition, which says nothing about the world.
     #[error("the driver failed under the condition {condition:?} of the panel: {reason}")]
     Driver {
         /// Name of the condition.
@@ -36,12 +36,12 @@ pub enum MeasureError {
         /// What the driver did.
         reason: String,
     },
-    /// Trials fail in all easy or in all hard anchors.
+    /// Trials fail in all easy anchors, or in all hard ones.
     #[error(
         "no {anchors} anchor can be mapped under every condition of the panel, and a scale needs one"
     )]
     NoAnchors {
-        /// Easy or hard.
+        /// The anchors that fail: easy or hard.
         anchors: &'static str,
     },
     /// The scores of the anchors do not make a scale.
@@ -56,7 +56,7 @@ pub enum MeasureError {
     },
 }
 
-/// The measured difficulty of a world, with what it was measured from.
+/// The measured difficulty of a world, with the data that it was computed from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measurement {
@@ -64,12 +64,12 @@ pub struct Measurement {
     pub measured: MeasuredDifficulty,
     /// The mean scores D, M and N.
     pub scores: Dials<f64>,
-    /// Each condition by itself.
+    /// The means of each condition.
     pub conditions: Vec<ConditionMean>,
 }
 
 impl Measurement {
-    /// The dials with Student's intervals of 95 %, by the noise of the trials.
+    /// Returns the dials with Student's 95 % intervals, by the noise of the trials.
     pub fn intervals(&self) -> Dials<(f64, [f64; 2])> {
         let trials = f64::from(self.measured.trials);
         let freedom = USUAL_WEIGHT + (trials - self.conditions.len() as f64).max(0.0);
@@ -88,9 +88,10 @@ pub struct ConditionMean {
     pub condition: String,
     /// The mean scores D, M and N.
     pub scores: Dials<f64>,
-    /// Number of its trials that ended since nothing was left to explore.
+    /// Number of its trials that ended because nothing was left to explore.
     pub explored: u32,
-    /// Mean share of the ground that its maps show as free. Where little was covered the scores say little of the world.
+    /// Mean fraction of the ground that its maps show as free. If little was covered, the scores say
+    /// little about the world.
     pub coverage: f64,
 }
 
@@ -102,7 +103,7 @@ struct Scored {
     coverage: f64,
 }
 
-/// Trials of a panel in a world, which can be added to.
+/// A running measurement: the trials of a panel in a world, to which more can be added.
 pub struct Measuring<'a> {
     site: Site,
     panel: &'a Panel,
@@ -112,7 +113,8 @@ pub struct Measuring<'a> {
 }
 
 impl<'a> Measuring<'a> {
-    /// Begins to measure; trials draw their noise from `noise` and the seeds after it, each from its own.
+    /// Begins a measurement. The trials draw their noise from `noise` and the seeds after it, each from
+    /// a seed of its own.
     pub fn new(world: &World, panel: &'a Panel, noise: Seed) -> Self {
         let source = LogWorld::Given(Box::new(world.clone()));
         let scores = vec![Vec::new(); panel.conditions.len()];
@@ -122,11 +124,12 @@ impl<'a> Measuring<'a> {
     /// Runs one more trial under each of some conditions, on all threads of the current pool.
     ///
     /// # Errors
-    /// No trial can run under one of them, or a driver fails.
+    ///
+    /// If no trial can run under one of them, or if a driver fails.
     pub fn add(&mut self, conditions: &[usize]) -> Result<(), MeasureError> {
         let run = |condition: usize| {
             let own = &self.panel.conditions[condition];
-            // The same noise under all conditions would not average out.
+            // With the same noise under all conditions, noise would not average out.
             let count = self.panel.conditions.len() * self.scores[condition].len() + condition;
             let noise = self.noise.offset(count as u64);
             let outcome = self.site.run(own, noise).map_err(|failure| {
@@ -148,18 +151,19 @@ impl<'a> Measuring<'a> {
         Ok(())
     }
 
-    /// Number of trials.
+    /// Returns the number of trials so far.
     pub fn trials(&self) -> usize {
         self.scores.iter().map(Vec::len).sum()
     }
 
-    /// The dials over the conditions that have a trial, each of the same weight; `None` before the first.
+    /// Returns the mean dials over the conditions that have a trial, all with the same weight; `None`
+    /// before the first trial.
     pub fn dials(&self, scale: &Scale) -> Option<Dials<Estimate>> {
         let tried: Vec<&Vec<Scored>> = self.scores.iter().filter(|one| !one.is_empty()).collect();
         if tried.is_empty() {
             return None;
         }
-        // The mean over conditions: each has noise as usual at its own scores.
+        // For the mean over conditions: each has the usual noise at its own scores.
         let usual =
             mean(tried.iter().map(|one| usual_variance(mean(one.iter().map(|one| one.dials)))));
         let estimate = |of: fn(&Dials<f64>) -> f64| {
@@ -178,7 +182,7 @@ impl<'a> Measuring<'a> {
         }))
     }
 
-    /// The measurement; `None` as long as a condition has no trial.
+    /// Returns the measurement; `None` as long as a condition has no trial.
     pub fn finish(&self, scale: &Scale) -> Option<Measurement> {
         if self.scores.iter().any(Vec::is_empty) {
             return None;
@@ -224,8 +228,9 @@ impl<'a> Measuring<'a> {
 /// ```
 ///
 /// # Errors
-/// No trial can run under one of the conditions: the world has no start, or the robot does not fit there;
-/// a driver fails.
+///
+/// If no trial can run under one of the conditions, since the world has no start or the robot does not
+/// fit there; or if a driver fails.
 pub fn measure(
     world: &World,
     panel: &Panel,
@@ -241,12 +246,12 @@ pub fn measure(
     Ok(measuring.finish(scale).unwrap_or_else(|| unreachable!("every condition has a trial")))
 }
 
-/// The scores D, M and N of a trial.
+/// Returns the scores D, M and N of a trial.
 pub(super) fn scores(scores: &Scores) -> Dials<f64> {
     Dials { difficulty: scores.difficulty, mapping: scores.mapping, navigation: scores.navigation }
 }
 
-/// The mean of scores; 0 of none.
+/// Returns the mean of scores, which is 0 if there are none.
 pub(super) fn mean(scores: impl Iterator<Item = Dials<f64>>) -> Dials<f64> {
     let (mut sum, mut count) = (Dials::<f64>::default(), 0.0);
     for one in scores {
@@ -256,8 +261,8 @@ pub(super) fn mean(scores: impl Iterator<Item = Dials<f64>>) -> Dials<f64> {
     sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 })
 }
 
-/// The mean over conditions of their means, and its standard error by noise: the variance within conditions,
-/// drawn towards the usual one as long as it is known from few trials.
+/// Returns the mean over conditions of their means, and its standard error by noise. It uses the
+/// variance within conditions, shrunk towards the usual variance while it is known from few trials.
 fn estimate(conditions: &[Vec<f64>], usual_variance: f64) -> Estimate {
     let count = conditions.len() as f64;
     let (mut value, mut squares, mut freedom, mut inverse) = (0.0, 0.0, 0.0, 0.0);

@@ -1,17 +1,18 @@
-//! How difficult a world is, measured by trials; and worlds of a requested difficulty.
+//! The difficulty of a world, measured by trials; and worlds of a requested difficulty.
 //!
-//! The difficulty `d` of a world is the mean score D of a [`Panel`]'s trials in it, on a scale whose 0 and 10 are
-//! the means of two sets of worlds, the [`Anchors`]; `m` and `n` are the same of the scores M and N.
+//! The difficulty `d` of a world is the mean score D of the trials of a [`Panel`] in it, on a scale
+//! whose 0 and 10 are the means of two sets of worlds, the [`Anchors`]. `m` and `n` are the same for
+//! the scores M and N.
 //!
-//! | what | where |
+//! | Task | Items |
 //! |---|---|
-//! | the conditions of trials | [`Panel`] |
-//! | the worlds that fix the scale | [`Anchors`], [`reference_scale`] |
-//! | the difficulty of a world | [`measure`](fn@measure) |
-//! | maps of a requested difficulty, verified by trials | [`verified`](fn@verified) |
-//! | are maps as difficult as requested? | [`proof`] |
-//! | what each setting does to the difficulty | [`levers`] |
-//! | worlds from which predictions are fitted | [`AtlasDesign`], [`samples`], [`calibrate`] |
+//! | The conditions of trials | [`Panel`] |
+//! | The worlds that fix the scale | [`Anchors`], [`reference_scale`] |
+//! | Measuring the difficulty of a world | [`measure`](fn@measure) |
+//! | Maps of a requested difficulty, verified by trials | [`verified`](fn@verified) |
+//! | Checking that maps are as difficult as requested | [`proof`] |
+//! | The effect of each setting on the difficulty | [`levers`] |
+//! | The worlds to which predictions are fitted | [`AtlasDesign`], [`samples`], [`calibrate`] |
 
 mod anchors;
 mod atlas;

@@ -7,7 +7,7 @@ use crate::experiment::survey::{Condition, SurveyError, check_conditions, ron_op
 
 const REFERENCE: &str = include_str!("panel_1.ron");
 
-/// Conditions of trials that count the same: the difficulty of a world is the mean over them.
+/// A panel: conditions of trials with equal weight. The difficulty of a world is the mean over them.
 ///
 /// ```
 /// use mapping_trial::difficulty::Panel;
@@ -18,20 +18,21 @@ const REFERENCE: &str = include_str!("panel_1.ron");
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Panel {
-    /// Its name.
+    /// Name of the panel.
     pub name: String,
-    /// Its version.
+    /// Version of the panel.
     pub version: u32,
     /// The conditions.
     pub conditions: Vec<Condition>,
 }
 
 impl Panel {
-    /// The panel that difficulties refer to if nothing else is said: four policies, each with a SICK LMS 200,
-    /// with the same laser with the errors of real scans, and with one of shorter range; a Pioneer 3-AT,
-    /// scan-to-map matching, and 2 s per square metre.
+    /// Returns the panel to which difficulties refer if no other is given: four policies, each with a
+    /// SICK LMS 200, with the same laser with the errors of real scans, and with one of shorter range;
+    /// a Pioneer 3-AT, scan-to-map matching, and 2 s per square metre.
     ///
     /// # Panics
+    ///
     /// Never: the file is part of the crate, and tested.
     pub fn reference() -> Self {
         read(REFERENCE).expect("panel_1.ron is a panel")
@@ -40,11 +41,12 @@ impl Panel {
     /// Reads a panel from RON.
     ///
     /// # Errors
-    /// Line and column of a mistake, or the first value that is not allowed; the name of the
-    /// [reference](Self::reference) panel with other conditions.
+    ///
+    /// Returns line and column of a syntax error, or names the first value that is not allowed. It is
+    /// also an error if other conditions have the name of the [reference](Self::reference) panel.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
         let (panel, reference) = (read(text)?, Panel::reference());
-        // What it measured would be taken for what the reference panel measured.
+        // Otherwise its measurements would be taken for those of the reference panel.
         if panel.name == reference.name && panel != reference {
             let allowed = "a name of its own: the reference panel has other conditions";
             let error = SpecError::new("name", &panel.name, allowed);
@@ -53,7 +55,7 @@ impl Panel {
         Ok(panel)
     }
 
-    /// Drops conditions that differ from an earlier one only by their names.
+    /// Drops conditions that differ from an earlier one only in their names.
     pub fn drop_repeated(&mut self) {
         let mut kept: Vec<Condition> = Vec::new();
         for condition in self.conditions.drain(..) {

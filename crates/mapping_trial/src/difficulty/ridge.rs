@@ -2,25 +2,25 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Penalties among which cross-validation chooses.
+/// The penalties among which cross-validation chooses.
 const PENALTIES: [f64; 9] = [0.3, 1.0, 3.0, 10.0, 30.0, 60.0, 100.0, 200.0, 400.0];
 
-/// Parts of the data that are left out one after the other.
+/// Number of folds: parts of the data that are left out one after the other.
 pub(super) const FOLDS: usize = 10;
 
 /// A linear model of standardised inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ridge {
-    /// The mean of what is predicted.
+    /// The mean of the predicted values.
     pub(super) intercept: f64,
     /// One coefficient per input.
     pub(super) coefficients: Vec<f64>,
-    /// What is predicted for each row when its part of the data was left out.
+    /// The prediction for each row by the model of the other folds.
     pub(super) left_out: Vec<f64>,
 }
 
-/// Fits rows of inputs, each of mean 0 and deviation 1, with the penalty whose predictions of data that was
-/// left out are the best. Neighbouring rows are in different parts.
+/// Fits rows of inputs, each of mean 0 and deviation 1, with the penalty that predicts left-out data
+/// best. Neighbouring rows are in different folds.
 pub(super) fn fit(rows: &[Vec<f64>], values: &[f64]) -> Ridge {
     let left_out = |penalty: f64| {
         let mut predicted = vec![0.0; rows.len()];
@@ -52,7 +52,7 @@ pub(super) fn squared_error(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// Intercept and coefficients of some of the rows.
+/// Returns the intercept and the coefficients for some of the rows.
 fn solve(rows: &[Vec<f64>], values: &[f64], of: &[usize], penalty: f64) -> (f64, Vec<f64>) {
     let inputs = rows.first().map_or(0, Vec::len);
     let n = of.len().max(1) as f64;

@@ -1,10 +1,10 @@
-//! How much the scores of trials vary by noise alone, where that of a world is not known yet.
+//! The usual variance of scores by noise alone, for worlds in which it is not known yet.
 
 use envgen::calibration::Dials;
 
-/// Mean scores, and the variances by noise alone there: those within a map and a condition, of 5,808 degrees of freedom,
-/// in maps of 8 x 8 and 10 x 10 cells (`difficulty_proof`), each trial with noise of its own. Easy worlds vary little, and
-/// so do those that are as difficult as can be.
+/// Mean scores, and the variances by noise alone at these scores: those within a map and a condition,
+/// of 5,808 degrees of freedom, in maps of 8 x 8 and 10 x 10 cells (`difficulty_proof`), each trial
+/// with noise of its own. Easy worlds vary little, and so do those that are as difficult as can be.
 const VARIANCES: Dials<&[(f64, f64)]> = Dials {
     difficulty: &[
         (0.0, 0.001),
@@ -40,7 +40,8 @@ const VARIANCES: Dials<&[(f64, f64)]> = Dials {
     ],
 };
 
-/// The usual variance of each dial at a mean score: linear between those of the table, and constant beyond.
+/// Returns the usual variance of each dial at a mean score: linear between those of the table, and
+/// constant beyond.
 pub(super) fn usual_variance(scores: Dials<f64>) -> Dials<f64> {
     scores.zip(VARIANCES).map(|(score, table)| {
         let after = table.partition_point(|&(at, _)| at <= score);

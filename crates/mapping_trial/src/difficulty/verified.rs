@@ -1,5 +1,5 @@
-//! Maps whose difficulty is verified by trials: the candidates of a request race, and the nearest is measured
-//! again.
+//! Maps whose difficulty is verified by trials: the candidates of a request race, and the nearest to
+//! the request is measured again.
 
 use envgen::calibration::{Dials, Estimate, Scale};
 use envgen::indoor::{FloorPlan, IndoorError, IndoorSpec, Request};
@@ -12,24 +12,24 @@ use super::panel::Panel;
 /// How near the measured difficulty of a map should be to the request.
 pub const NEAR_REQUEST: f64 = 0.7;
 
-/// Number of candidates that race.
+/// Number of candidates in the first round.
 const RACERS: usize = 5;
 
-/// Number of candidates of the second round.
+/// Number of candidates in the second round.
 const FINALISTS: usize = 2;
 
-/// Number of conditions of a round, spread over the panel.
+/// Number of conditions in a round, spread over the panel.
 const ROUND: usize = 4;
 
-/// A candidate is dropped that is farther from the request than the nearest by more than this many standard
-/// errors of the difference.
+/// A candidate is dropped if it is farther from the request than the nearest one by more than this many
+/// standard errors of the difference.
 const DROPPED: f64 = 2.0;
 
-/// Why there is no verified map.
+/// An error for which there is no verified map.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum VerifyError {
-    /// No candidates.
+    /// There are no candidates.
     #[error(transparent)]
     Generate(#[from] IndoorError),
     /// A candidate cannot be measured.
@@ -40,15 +40,15 @@ pub enum VerifyError {
 /// A map whose difficulty was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verified {
-    /// Its plan.
+    /// Plan of the map.
     pub plan: FloorPlan,
-    /// Its number among the candidates, from the one on that was predicted nearest.
+    /// Number of the map among the candidates, which are ordered by prediction from the nearest on.
     pub candidate: u32,
-    /// Its world; the measurement is in its provenance.
+    /// World of the map, with the measurement in its provenance.
     pub world: World,
     /// The measurement, by trials that did not take part in the choice.
     pub measurement: Measurement,
-    /// What the race measured of each candidate, from the one on that was predicted nearest.
+    /// What the race measured of each candidate, in the order of predictions from the nearest on.
     pub race: Vec<Dials<Estimate>>,
 }
 
@@ -58,14 +58,17 @@ struct Racer<'a> {
     is_dropped: bool,
 }
 
-/// Generates the candidates of a spec of the profile `calibrated`, lets those race that are predicted nearest to the
-/// request (sequential halving: five in four conditions of the panel, the best two of them in four more) and returns
-/// the one whose measured difficulty is nearest, measured once more with `seeds` fresh trials under each condition.
-/// `step` is called with the number of trials in the race so far; with those of the measurement they are at most
-/// [`most_trials`].
+/// Generates a map of a requested difficulty, and verifies it by trials.
+///
+/// The candidates of a spec of the profile `calibrated` that are predicted nearest to the request race
+/// (sequential halving: five in four conditions of the panel, the best two of them in four more). The
+/// map whose measured difficulty is nearest is measured once more, with `seeds` fresh trials under each
+/// condition. `step` is called with the number of trials in the race so far; with those of the
+/// measurement they are at most [`most_trials`].
 ///
 /// # Errors
-/// The request is not allowed or out of reach; the panel cannot drive in a candidate.
+///
+/// If the request is not allowed or out of reach, or if the panel cannot drive in a candidate.
 pub fn verified(
     spec: &IndoorSpec,
     seed: Seed,
@@ -77,7 +80,7 @@ pub fn verified(
     let request = spec.request();
     let mut plans = spec.candidates(seed)?;
     let mut worlds: Vec<World> = plans.iter().take(RACERS).map(FloorPlan::to_world).collect();
-    // Noise of the race and of the measurement, and of no other map.
+    // Noise of the race and of the measurement, which no other map has.
     let noise = |stage: u64| Seed(seed.stream("difficulty/noise", stage).bits());
     let mut racers: Vec<Racer<'_>> = worlds
         .iter()
@@ -113,7 +116,8 @@ pub fn verified(
     Ok(Verified { plan, candidate: nearest as u32, world, measurement, race })
 }
 
-/// The greatest number of trials of [`verified`](fn@verified) with a panel and `seeds` trials under each condition.
+/// Returns the greatest number of trials of [`verified`](fn@verified) with a panel and `seeds` trials
+/// under each condition.
 pub fn most_trials(panel: &Panel, seeds: u32) -> usize {
     let conditions = panel.conditions.len();
     let [first, second] = rounds(conditions).map(|round| round.len());
@@ -123,7 +127,7 @@ pub fn most_trials(panel: &Panel, seeds: u32) -> usize {
 /// The conditions of each round, spread over the panel.
 fn rounds(conditions: usize) -> [Vec<usize>; 2] {
     let count = ROUND.min(conditions);
-    // Policies and lasers both change from one to the next where policies are the inner loop.
+    // If policies are the inner loop, both policies and lasers change from one to the next.
     let spread = |from: usize| {
         (0..count).map(move |i| (from + i * (conditions + 1) / count) % conditions.max(1))
     };

@@ -1,4 +1,4 @@
-//! The figure of levers: measured m and n over the value of each setting.
+//! The figure of levers: measured m and n over the values of each setting.
 
 use envgen::palette;
 use plotters::prelude::*;
@@ -8,17 +8,18 @@ use crate::experiment::ExperimentError;
 use crate::experiment::report::colors;
 use crate::experiment::report::figures::{chart_with, report_error, rgb};
 
-/// Charts in a row, and their size in pixels.
+/// Number of charts in a row, and their size in pixels.
 const COLUMNS: usize = 3;
 const SIZE: (u32, u32) = (330, 260);
 
 /// Height in pixels of the key above the charts.
 const KEY: u32 = 34;
 
-/// Draws the dials m and n of each lever over its values, with intervals of 95 %, as SVG.
+/// Draws the dials m and n of each lever over its values, with 95 % intervals, as SVG.
 ///
 /// # Errors
-/// The figure cannot be drawn.
+///
+/// If the figure cannot be drawn.
 pub fn figure(levers: &[Lever], levels: &[Vec<LeverLevel>]) -> Result<String, ExperimentError> {
     let rows = levers.len().div_ceil(COLUMNS);
     let size = (SIZE.0 * COLUMNS as u32, SIZE.1 * rows as u32 + KEY);

@@ -7,34 +7,34 @@ use serde::{Deserialize, Serialize};
 
 use crate::experiment::stats::half_interval;
 
-/// A setting, and the values that it takes.
+/// A lever: a setting, and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lever {
     /// Name of the setting.
     pub setting: String,
-    /// Its unit.
+    /// Unit of the setting.
     pub unit: String,
-    /// Other settings that have a value of their own for this lever.
+    /// Other settings with values that are only used for this lever.
     #[serde(default)]
     pub with: BTreeMap<String, String>,
-    /// The values.
+    /// Values of the setting.
     pub values: Vec<f64>,
 }
 
-/// What the trials of one value of a lever measured.
+/// What trials measured at one value of a lever.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LeverLevel {
     /// The value of the setting.
     pub value: f64,
-    /// The mean dials over its worlds, with standard errors by the spread of worlds.
+    /// Mean dials over the worlds, with standard errors by the spread of worlds.
     pub dials: Dials<Estimate>,
     /// Number of worlds.
     pub maps: u32,
 }
 
 impl LeverLevel {
-    /// Half of Student's interval of 95 % of one of the dials, by the spread of worlds.
+    /// Returns half of Student's 95 % interval of one of the dials, by the spread of worlds.
     pub fn half_interval(&self, dial: Estimate) -> f64 {
         half_interval(dial.standard_error, f64::from(self.maps) - 1.0)
     }

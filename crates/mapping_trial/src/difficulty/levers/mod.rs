@@ -1,4 +1,4 @@
-//! What each lever of a generator does to measured difficulty at a fixed footprint.
+//! The effect of each lever of a generator on the measured difficulty, at a fixed footprint.
 
 mod figure;
 mod lever;
@@ -19,28 +19,29 @@ use crate::experiment::survey::{
 
 const FIRST: &str = include_str!("levers_1.ron");
 
-/// Levers of a spec, each with some values.
+/// A design for measuring levers: a spec, and levers with some values each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LeverDesign {
-    /// The spec of all other settings.
+    /// The spec with all other settings.
     pub spec: WorldSpec,
     /// The levers.
     pub levers: Vec<Lever>,
-    /// The conditions of the trials; they count the same.
+    /// The conditions of the trials, all with the same weight.
     pub conditions: Vec<Condition>,
-    /// Worlds per value, of the same seeds for all values.
+    /// Number of worlds per value. All values have the same seeds.
     pub maps: u32,
     /// Seed of the first world.
     pub first_seed: Seed,
-    /// Trials per world and condition.
+    /// Number of trials per world and condition.
     pub noise_seeds: u32,
 }
 
 impl LeverDesign {
-    /// The levers of indoor maps.
+    /// Returns the levers of indoor maps.
     ///
     /// # Panics
+    ///
     /// Never: the file is part of the crate, and tested.
     pub fn first() -> Self {
         Self::from_ron(FIRST).expect("levers_1.ron has levers")
@@ -49,15 +50,17 @@ impl LeverDesign {
     /// Reads levers from RON.
     ///
     /// # Errors
-    /// Line and column of a mistake.
+    ///
+    /// Returns line and column of a syntax error.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
         Ok(ron_options().from_str(text).map_err(Box::new)?)
     }
 
-    /// The survey of all values of all levers.
+    /// Returns the survey of all values of all levers.
     ///
     /// # Errors
-    /// A setting that is not there, or a value that is not allowed.
+    ///
+    /// If a setting does not exist, or if a value is not allowed.
     pub fn survey(&self) -> Result<Survey, SettingsError> {
         let mut families = Vec::new();
         for lever in &self.levers {
@@ -79,8 +82,8 @@ impl LeverDesign {
         Ok(Survey { families, conditions, noise_seeds, noise: SurveyNoise::Shared })
     }
 
-    /// What the trials of the [survey](LeverDesign::survey) measured, lever by lever: the values of which at
-    /// least two worlds have trials.
+    /// Returns what the trials of the [survey](LeverDesign::survey) measured, lever by lever: the
+    /// values for which at least two worlds have trials.
     pub fn levels<'a>(
         &self,
         scale: &Scale,
@@ -112,7 +115,7 @@ impl LeverDesign {
     }
 }
 
-/// The mean of at least two values, with its standard error.
+/// Returns the mean of at least two values, with its standard error.
 fn estimate(values: impl Iterator<Item = f64> + Clone) -> Estimate {
     let n = values.clone().count() as f64;
     let value = values.clone().sum::<f64>() / n;
