@@ -1,4 +1,4 @@
-//! Which trials an experiment is made of.
+//! Designs: the trials of which an experiment consists.
 
 use std::fmt;
 use std::str::FromStr;
@@ -80,7 +80,7 @@ settings! {
 }
 
 settings! {
-    /// The paper's own design: a few maps per level, once by each of its policies.
+    /// The paper's own design: a few maps per level, on each of which every policy drives once.
     pub struct Replay {
         /// Maps per level, no more than the design has.
         maps: u32 = 2 => integer("", 1..=MAX_MAPS as u64);
@@ -92,7 +92,7 @@ settings! {
     }
 }
 
-/// Which trial of a design.
+/// The identity of a trial within a design.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialId {
@@ -102,25 +102,25 @@ pub struct TrialId {
     pub map: u32,
     /// Number of the noise seed on this map.
     pub noise: u32,
-    /// The policy, `operator` in files.
+    /// The policy. Its name in files is `operator`.
     #[serde(rename = "operator", alias = "policy")]
     pub policy: PolicyKind,
 }
 
-/// Those of the experiments in the guide, which are older than `tour`.
+/// The policies of the experiments in the guide, which are older than `tour`.
 fn default_policies() -> Vec<PolicyKind> {
     use PolicyKind::{Cautious, Corridors, InfoGain, Nearest, WallFollow};
     vec![Nearest, InfoGain, Cautious, WallFollow, Corridors]
 }
 
-/// The name of a policy.
+/// Returns the name of a policy.
 pub fn policy_name(kind: PolicyKind) -> &'static str {
     kind.name().unwrap_or("custom")
 }
 
 impl Design {
-    /// The paper's design, and six maps per level once by the policy `nearest`: takes less
-    /// than two minutes.
+    /// Returns the paper's design together with six maps per level, on each of which the policy
+    /// `nearest` drives once. It takes less than two minutes.
     pub fn quick() -> Self {
         Design { maps: 6, noise_seeds: 1, policies: vec![PolicyKind::Nearest], ..Design::default() }
     }
@@ -129,7 +129,7 @@ impl Design {
     ///
     /// # Errors
     ///
-    /// The first field whose value is not allowed.
+    /// Names the first field whose value is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
@@ -162,7 +162,7 @@ impl Design {
             .validate()
     }
 
-    /// Every trial, in the design's order: by level, map, noise and policy.
+    /// Returns every trial in the order of the design: by level, map, noise and policy.
     pub fn trials(&self) -> Vec<TrialId> {
         let mut trials = Vec::new();
         for level in 0..self.levels.len() as u32 {
@@ -180,19 +180,19 @@ impl Design {
         trials
     }
 
-    /// Whether a trial belongs to the larger design.
+    /// Returns whether a trial belongs to the larger design.
     pub fn is_main(&self, trial: &TrialId) -> bool {
         self.policies.contains(&trial.policy)
     }
 
-    /// Whether a trial belongs to the paper's design.
+    /// Returns whether a trial belongs to the paper's design.
     pub fn is_replay(&self, trial: &TrialId) -> bool {
         trial.noise == 0
             && trial.map < self.replay.maps
             && self.replay.policies.contains(&trial.policy)
     }
 
-    /// The spec of the maps of a level.
+    /// Returns the spec of the maps of a level.
     pub fn spec(&self, level: f64) -> IndoorSpec {
         IndoorSpec {
             difficulty: level,
@@ -203,17 +203,18 @@ impl Design {
         }
     }
 
-    /// The requested difficulty of a trial's map.
+    /// Returns the requested difficulty of a trial's map.
     ///
     /// # Panics
+    ///
     /// If the design does not have the trial's level.
     #[track_caller]
     pub fn level(&self, trial: &TrialId) -> f64 {
         self.levels[trial.level as usize]
     }
 
-    /// The seed of a trial's map: with seed 0, map 4 of level 7 has seed 70004. Maps of different
-    /// levels share no draws.
+    /// Returns the seed of a trial's map. With seed 0, map 4 of level 7 has seed 70004. Maps of
+    /// different levels share no draws.
     ///
     /// ```
     /// use mapping_trial::experiment::{Design, TrialId};
@@ -230,13 +231,14 @@ impl Design {
         Seed(self.seed.0.wrapping_mul(1_000_000).wrapping_add(own))
     }
 
-    /// The seed of a trial's sensor noise: the same for all policies, another for each map.
+    /// Returns the seed of a trial's sensor noise, which is the same for all policies and differs from
+    /// map to map.
     pub fn noise_seed(&self, trial: &TrialId) -> Seed {
         let maps = self.world_seed(trial).0.wrapping_mul(u64::from(MAX_NOISE_SEEDS));
         Seed(maps).offset(u64::from(trial.noise))
     }
 
-    /// The settings of a trial.
+    /// Returns the settings of a trial.
     pub fn settings(&self, trial: &TrialId) -> TrialSettings {
         TrialSettings {
             seed: self.noise_seed(trial),
@@ -252,7 +254,7 @@ impl Design {
     }
 }
 
-/// A share of a design's trials: every `of`-th, beginning with the `index`-th. Written `2/8`.
+/// A share of a design's trials: every `of`-th, beginning with the `index`-th. It is written as `2/8`.
 ///
 /// ```
 /// use mapping_trial::experiment::Shard;
@@ -273,12 +275,13 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// All trials.
+    /// The share of all trials.
     pub const WHOLE: Shard = Shard { index: 1, of: 1 };
 
     /// Checks the numbers.
     ///
     /// # Errors
+    ///
     /// If the index is not from 1 to the number of shares.
     pub fn validate(self) -> Result<(), SpecError> {
         if (1..=self.of).contains(&self.index) {
@@ -287,9 +290,10 @@ impl Shard {
         Err(SpecError::new("shard", self, "I/N with I from 1 to N, such as 2/8"))
     }
 
-    /// Whether the trial at an index of the design's order belongs to this share.
+    /// Returns whether the trial at an index of the design's order belongs to this share.
     ///
     /// # Panics
+    ///
     /// If the number of shares is 0.
     #[track_caller]
     pub fn has(self, place: usize) -> bool {
@@ -297,11 +301,12 @@ impl Shard {
         place as u64 % u64::from(self.of) + 1 == u64::from(self.index)
     }
 
-    /// The same where items of several kinds take turns: each share gets every kind.
+    /// Does the same as [`Shard::has`] where items of several kinds take turns, so that each share gets
+    /// every kind.
     #[track_caller]
     pub(crate) fn has_of(self, place: usize, kinds: usize) -> bool {
         let kinds = kinds.max(1);
-        // The first of a round is of another share than the first of the round before.
+        // The first item of a round belongs to another share than the first of the round before.
         self.has(place / kinds + place % kinds)
     }
 }

@@ -1,4 +1,4 @@
-//! What stops an experiment.
+//! Errors of experiments.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use envgen::{Seed, SpecError};
 use thiserror::Error;
 
-/// Why an experiment cannot continue.
+/// An error that stops an experiment.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ExperimentError {
@@ -19,15 +19,15 @@ pub enum ExperimentError {
     /// A file or folder cannot be read or written.
     #[error("{}: {source}", path.display())]
     File {
-        /// Its path.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// A file has wrong content.
+    /// The content of a file is not valid.
     #[error("{}: {reason}", path.display())]
     Content {
-        /// Its path.
+        /// Path of the file.
         path: PathBuf,
         /// What is wrong.
         reason: String,
@@ -55,40 +55,40 @@ pub enum ExperimentError {
         /// The trial.
         trial: String,
     },
-    /// Another process uses the folder.
+    /// Another process is using the folder.
     #[error("{}: another process uses this folder", .0.display())]
     Busy(PathBuf),
     /// Trials are missing.
     #[error("{missing} of {all} trials are missing, the first is {first}")]
     Incomplete {
-        /// How many.
+        /// Number of missing trials.
         missing: usize,
-        /// Out of how many.
+        /// Number of all trials.
         all: usize,
-        /// One of them.
+        /// The first missing trial.
         first: String,
     },
     /// A map cannot be generated, or no trial can run on it.
     #[error("map {map} of level {level} (seed {seed}): {reason}")]
     Map {
-        /// Its number within the level.
+        /// Number of the map within the level.
         map: u32,
-        /// Its level.
+        /// Level of the map.
         level: f64,
-        /// Its seed.
+        /// Seed of the map.
         seed: Seed,
-        /// Why.
+        /// The reason.
         reason: String,
     },
     /// A world cannot be generated, described or measured.
     #[error("{world}: {reason}")]
     World {
-        /// Which world.
+        /// Description of the world.
         world: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
-    /// A driver failed: of such a trial nothing is kept.
+    /// A driver failed. Nothing is kept of such a trial.
     #[error("world {map} ({family}), condition {condition}: the driver failed: {reason}")]
     Driver {
         /// Number of the world in the survey.
@@ -112,7 +112,7 @@ pub enum ExperimentError {
 }
 
 impl ExperimentError {
-    /// A copy of the error, for other threads that need the same map.
+    /// Copies the error for other threads that need the same map.
     pub(super) fn again(&self) -> ExperimentError {
         match self {
             ExperimentError::Map { map, level, seed, reason } => ExperimentError::Map {

@@ -1,7 +1,7 @@
-//! What doors, people and smoke cost: the same trials with and without them.
+//! The cost of doors, people and smoke, from the same trials with and without them.
 //!
-//! Every world is mapped under every condition without anything that moves, and with each hazard alone, all with
-//! the same sensor noise. The cost of a hazard is the mean paired difference of a score.
+//! Every world is mapped under every condition without anything that moves, and with each hazard alone,
+//! all with the same sensor noise. The cost of a hazard is the mean paired difference of a score.
 
 use std::collections::BTreeMap;
 
@@ -15,41 +15,42 @@ use super::survey::{Condition, Family, Record, Survey, SurveyNoise};
 use crate::names::Named;
 use crate::score::Scores;
 
-/// Something that moves in a world.
+/// A hazard: something that moves in a world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hazard {
-    /// Its name in tables: the settings with their values, joined by `+`.
+    /// Name of the hazard in tables: its settings with their values, joined by `+`.
     pub name: String,
     /// What moves.
     pub scenario: ScenarioSpec,
 }
 
-/// The hazards that have a usual amount, by the name of their setting.
+/// The hazards with a default amount, by the name of their setting.
 const USUAL: [(&str, &str); 3] = [("doors", "0.5"), ("people", "8"), ("smoke", "0.3")];
 
-/// What a hazard costs.
+/// The cost of a hazard.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HazardCost {
     /// Name of the hazard.
     pub hazard: String,
     /// Number of worlds.
     pub maps: usize,
-    /// Mean difference of D from the same trials without the hazard, with Student's interval of 95 % over worlds.
+    /// Mean difference of D from the same trials without the hazard, with Student's 95 % interval over
+    /// worlds.
     pub difficulty: Interval,
-    /// The same of M.
+    /// Mean difference of M, likewise.
     pub mapping: Interval,
-    /// The same of N.
+    /// Mean difference of N, likewise.
     pub navigation: Interval,
-    /// Mean number of collisions with people in a trial, `person_hits` in files.
+    /// Mean number of collisions with people per trial. Its name in files is `person_hits`.
     #[serde(rename = "person_hits")]
     pub person_collisions: f64,
-    /// Mean area in square metres of ghosts on a map.
+    /// Mean area of ghosts on a map, in square metres.
     pub ghost_area: f64,
 }
 
 impl Hazard {
-    /// A hazard from its name, such as `doors`, from a setting of scenarios and its value, such as `doors=1` or
-    /// `people=20`, or from several of these joined by `+`.
+    /// Parses a hazard: a name such as `doors`, a setting of scenarios with its value, such as
+    /// `doors=1` or `people=20`, or several of these joined by `+`.
     ///
     /// ```
     /// use mapping_trial::experiment::hazards::Hazard;
@@ -64,7 +65,8 @@ impl Hazard {
     /// ```
     ///
     /// # Errors
-    /// When there is no such setting, its value is not allowed, it is there twice, or nothing moves.
+    ///
+    /// If a setting does not exist or occurs twice, if its value is not allowed, or if nothing moves.
     pub fn parse(text: &str) -> Result<Self, SpecError> {
         let mut scenario = ScenarioSpec::default();
         let mut settings: Vec<(&str, &str)> = Vec::new();
@@ -96,10 +98,11 @@ impl Hazard {
     }
 }
 
-/// The survey of a design's maps and policies without hazards and with each of them.
+/// Returns the survey of a design's maps and policies, without hazards and with each of them.
 ///
 /// # Errors
-/// A design that is not allowed; a laser or wheels that have no name.
+///
+/// If the design is not allowed, or if its laser or its wheels have no name.
 pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> {
     design.validate()?;
     let named = |field: &str, name: Option<&str>| {
@@ -132,17 +135,18 @@ pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> 
         name: format!("level {level}"),
         spec: design.spec(level).into(),
         maps: design.maps,
-        // Of each design seed others, as those of its own experiment.
+        // Other seeds for each seed of a design, as in the experiment of the design.
         first_seed: Seed(design.seed.0.wrapping_mul(1_000_000)).offset(1000 * (i as u64 + 1)),
     });
     let (families, noise_seeds) = (families.collect(), design.noise_seeds);
     Ok(Survey { families, conditions, noise_seeds, noise: SurveyNoise::Shared })
 }
 
-/// Checks that a survey, such as that of merged shares, is the one of these hazards.
+/// Checks that a survey, such as that of merged shares, belongs to these hazards.
 ///
 /// # Errors
-/// Other hazards, or others in another order.
+///
+/// If the hazards or their order differ.
 pub fn check(survey: &Survey, hazards: &[Hazard]) -> Result<(), SpecError> {
     let policies = survey.conditions.len() / (hazards.len() + 1);
     let still = std::iter::once(ScenarioSpec::default());
@@ -166,8 +170,8 @@ pub fn check(survey: &Survey, hazards: &[Hazard]) -> Result<(), SpecError> {
     Err(SpecError::new("hazards", given.join(","), allowed))
 }
 
-/// What each hazard costs, from the records of the [`survey()`]; nothing of hazards for which no world has the
-/// trials both with and without it.
+/// Returns the cost of each hazard, given the records of the [`survey()`]. It leaves out hazards for
+/// which no world has the trials both with and without them.
 pub fn costs<'a>(
     survey: &Survey,
     hazards: &[Hazard],
@@ -185,7 +189,7 @@ pub fn costs<'a>(
         .enumerate()
         .filter_map(|(number, hazard)| {
             let shift = ((number + 1) * policies) as u32;
-            // The pairs of each world.
+            // The pairs of trials of each world.
             let mut worlds: BTreeMap<u32, Vec<(&Scores, &Scores)>> = BTreeMap::new();
             for (&(map, condition, noise), &without) in &scores {
                 if (condition as usize) < policies
@@ -199,7 +203,8 @@ pub fn costs<'a>(
         .collect()
 }
 
-/// The cost over worlds, each with its pairs of trials without and with the hazard; `None` without any.
+/// The cost over worlds, each with its pairs of trials without and with the hazard; `None` without any
+/// pair.
 fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCost> {
     if worlds.is_empty() {
         return None;

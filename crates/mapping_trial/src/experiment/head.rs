@@ -1,4 +1,4 @@
-//! The file that describes what a folder holds.
+//! The head: the file that describes what a folder holds.
 
 use std::io;
 use std::path::Path;
@@ -11,30 +11,31 @@ use super::error::ExperimentError;
 use super::lines::Lines;
 use super::write;
 
-/// The name of that file in the folder of a survey.
+/// Name of the head in the folder of a survey.
 pub(super) const SURVEY: &str = "survey.json";
 
-/// The name of that file in the folder of an experiment.
+/// Name of the head in the folder of an experiment.
 pub(super) const EXPERIMENT: &str = "experiment.json";
 
-/// The most characters of a value in an error.
+/// Greatest number of characters of a value in an error.
 const LONGEST: usize = 100;
 
-/// A kind of description.
+/// A kind of head.
 pub(super) struct Kind {
-    /// The name of the file.
+    /// Name of the file.
     pub(super) file: &'static str,
-    /// What errors call it.
+    /// The name of its content in errors.
     pub(super) what: &'static str,
     /// The version that can be read.
     pub(super) version: u32,
 }
 
-/// Locks a folder for what `head` describes, new or begun, and reads its trials. `difference` is what errors say of
-/// another description.
+/// Locks a folder for what `head` describes, whether it is new or continued, and reads its trials.
+/// `difference` returns what errors say about another description.
 ///
 /// # Errors
-/// A folder that cannot be written, holds something else, or is in use.
+///
+/// If the folder cannot be written, holds something else, or is in use.
 pub(super) fn lock<T: Serialize + DeserializeOwned + PartialEq>(
     folder: &Path,
     kind: &Kind,
@@ -58,11 +59,12 @@ pub(super) fn lock<T: Serialize + DeserializeOwned + PartialEq>(
         }
         None => Ok(()),
     };
-    // What is not ours is not touched.
+    // Files that are not ours are not touched.
     if !is_begun()? {
         find_other()?;
     }
-    // Only who has the lock begins: of several processes one may have begun something else meanwhile.
+    // Only the process with the lock begins, since another process may have begun something else
+    // meanwhile.
     let (mut lines, text) = Lines::open(folder)?;
     if !is_begun()? {
         find_other()?;
@@ -90,7 +92,8 @@ pub(super) fn write<T: Serialize>(path: &Path, head: &T) -> Result<(), Experimen
 /// Reads the description of a folder, which errors call `what`; `None` if the file does not exist.
 ///
 /// # Errors
-/// A file that cannot be read, is something else, or has another `version`.
+///
+/// If the file cannot be read, is something else, or has another `version`.
 pub(super) fn read<T: DeserializeOwned>(
     path: &Path,
     what: &str,
@@ -104,19 +107,20 @@ pub(super) fn read<T: DeserializeOwned>(
     };
     let not = |error: serde_json::Error| content(format!("this is not {what}: {error}"));
     let value: Value = serde_json::from_str(&text).map_err(not)?;
-    // The version first: another one may have other fields.
+    // The version is read first, since another one may have other fields.
     let found = value.get("version").and_then(Value::as_u64);
     if let Some(found) = found.filter(|&found| found != u64::from(version)) {
         return Err(content(format!("{what} of version {found}, expected {version}")));
     }
-    // From the text, as the records are: from the value, all of it would be compiled once more.
+    // Parses the text, as for records: from the value, the same code would be compiled once more.
     serde_json::from_str(&text).map(Some).map_err(not)
 }
 
-/// The first difference between two descriptions: the path to a value, what it is, and what it was expected to be.
+/// Returns the first difference between two descriptions: the path to a value, the value, and the
+/// expected value.
 pub(super) fn difference<T: Serialize>(found: &T, asked: &T) -> String {
     let value = |head: &T| -> Value {
-        // By the text that `write` writes: for the same reason as in `read`.
+        // Compares by the text that `write` writes, for the same reason as in `read`.
         let text = serde_json::to_string_pretty(head);
         text.and_then(|text| serde_json::from_str(&text)).unwrap_or_default()
     };
@@ -150,7 +154,7 @@ fn first_difference(path: String, found: &Value, asked: &Value) -> Option<String
     }
 }
 
-/// A value as JSON, cut where it is long.
+/// A value as JSON, cut if it is long.
 fn short(value: &Value) -> String {
     let text = value.to_string();
     match text.char_indices().nth(LONGEST) {

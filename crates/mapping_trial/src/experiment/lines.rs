@@ -1,4 +1,4 @@
-//! The file of trials: a line is written whole or not at all.
+//! The file of trials, in which a line is written as a whole or not at all.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Write};
@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::error::ExperimentError;
 use super::write;
 
-/// The file of the trials, one per line.
+/// Name of the file of trials, with one per line.
 pub(super) const TRIALS: &str = "trials.jsonl";
 
 /// The file of the trials.
@@ -17,13 +17,13 @@ pub(super) const TRIALS: &str = "trials.jsonl";
 pub(crate) struct Lines {
     pub(crate) path: PathBuf,
     file: File,
-    /// Bytes that are kept.
+    /// Number of bytes that are kept.
     len: u64,
 }
 
 impl Lines {
-    /// Opens the file, and locks it for this process; also returns its whole lines. What comes after them stays until
-    /// [`Lines::drop_rest`].
+    /// Opens the file, locks it for this process, and returns it with its complete lines. What comes
+    /// after them stays until [`Lines::drop_rest`].
     pub(crate) fn open(folder: &Path) -> Result<(Self, String), ExperimentError> {
         let mut lines = Lines::lock(folder)?;
         let path = lines.path.clone();
@@ -39,17 +39,17 @@ impl Lines {
         Ok((lines, text))
     }
 
-    /// Whether the file holds anything.
+    /// Whether the file is empty.
     pub(crate) fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Cuts off what comes after the whole lines: a last line without its line end.
+    /// Cuts off what comes after the complete lines: a last line without its line end.
     pub(crate) fn drop_rest(&mut self, text: &str) -> Result<(), ExperimentError> {
         self.cut(text.len() as u64)
     }
 
-    /// Opens the file, locks it for this process, and deletes all that it holds.
+    /// Opens the file, locks it for this process, and deletes its content.
     pub(crate) fn emptied(folder: &Path) -> Result<Self, ExperimentError> {
         let mut lines = Lines::lock(folder)?;
         lines.cut(0)?;
@@ -59,7 +59,8 @@ impl Lines {
     fn lock(folder: &Path) -> Result<Self, ExperimentError> {
         let path = folder.join(TRIALS);
         let error = |source| ExperimentError::File { path: path.clone(), source };
-        // Appended to: a line that was written in part and cut off leaves no gap.
+        // The file is opened for appending, so that a line that was written in part and cut off leaves
+        // no gap.
         let mut options = OpenOptions::new();
         options.read(true).append(true).create(true);
         let file = options.open(&path).map_err(error)?;
@@ -68,14 +69,14 @@ impl Lines {
             let reason = "this is not a file".to_owned();
             return Err(ExperimentError::Content { path, reason });
         }
-        // Where files cannot be locked another process cannot be detected.
+        // Where files cannot be locked, another process cannot be detected.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(ExperimentError::Busy(folder.to_owned()));
         }
         Ok(Lines { path, file, len: metadata.len() })
     }
 
-    /// Leaves the first so many bytes.
+    /// Keeps only the first bytes of the file.
     fn cut(&mut self, len: u64) -> Result<(), ExperimentError> {
         let error = |source| ExperimentError::File { path: self.path.clone(), source };
         self.file.set_len(len).map_err(error)?;
@@ -83,7 +84,7 @@ impl Lines {
         Ok(())
     }
 
-    /// Adds a trial; if that fails, nothing of it stays if the disk allows.
+    /// Appends a trial. If that fails, nothing of it stays, if the disk allows.
     pub(crate) fn append<T: Serialize>(&mut self, record: &T) -> Result<(), ExperimentError> {
         let bytes = line(record, &self.path)?;
         match self.file.write_all(&bytes) {
@@ -93,7 +94,7 @@ impl Lines {
             }
             Err(source) => {
                 let cut = self.file.set_len(self.len);
-                // What is left of the line is dropped when the file is read next.
+                // The rest of the line is dropped when the file is next read.
                 drop(cut);
                 Err(ExperimentError::File { path: self.path.clone(), source })
             }
@@ -115,7 +116,7 @@ impl Lines {
     }
 }
 
-/// The whole lines of the file in a folder that is only read, and the path of the file.
+/// Returns the complete lines of the file in a folder that is only read, and the path of the file.
 pub(crate) fn read(folder: &Path) -> Result<(String, PathBuf), ExperimentError> {
     let path = folder.join(TRIALS);
     let mut text = match std::fs::read_to_string(&path) {

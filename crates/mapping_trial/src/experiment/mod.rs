@@ -1,23 +1,23 @@
-//! Experiments: repeated trials on maps of several difficulties, by several policies, and the
-//! statistics of the rules that generated the maps.
+//! Experiments: repeated trials on maps of several difficulties by several policies, and the statistics
+//! of the rules that generated the maps.
 //!
-//! The design replays the experiment of O. Zwennes, *Adaptive Indoor Map Generator for USARSim*
-//! (2011), sections 5 and 6: two maps each of the levels 1, 3, 5, 7 and 9. People rated those maps;
-//! here policies map them and the results are measured. Ten maps show little, so a larger design
-//! of the same kind is run with it.
+//! The design replays the experiment of O. Zwennes, *Adaptive Indoor Map Generator for USARSim* (2011),
+//! sections 5 and 6, with two maps each of the levels 1, 3, 5, 7 and 9. In the thesis, people rated
+//! those maps; here, policies map them and the results are measured. Since ten maps show little, a
+//! larger design of the same kind is run with it.
 //!
-//! | what | where |
+//! | Task | Items |
 //! |---|---|
-//! | which trials | [`Design`], [`TrialId`] |
-//! | the result of one | [`Record`] |
-//! | a folder of records that survives interrupts | [`Experiment`] |
-//! | the statistics | [`stats`] |
-//! | tables and the report | [`table`], [`report`] |
-//! | what doors, people and smoke cost | [`hazards`] |
-//! | trials in worlds of any kind, under any conditions | [`survey`] |
+//! | The trials of an experiment | [`Design`], [`TrialId`] |
+//! | The result of a trial | [`Record`] |
+//! | A folder of records that survives interrupts | [`Experiment`] |
+//! | Statistics | [`stats`] |
+//! | Tables and the report | [`table`], [`report`] |
+//! | The cost of doors, people and smoke | [`hazards`] |
+//! | Trials in worlds of any kind, under any conditions | [`survey`] |
 //!
-//! A finished experiment is the same to the last byte whether it ran on one thread or many, at
-//! once or interrupted, in one folder or in shards that were merged.
+//! A finished experiment is the same to the last byte, whether it ran on one thread or on many, at once
+//! or interrupted, in one folder or in shards that were merged.
 
 mod design;
 mod error;

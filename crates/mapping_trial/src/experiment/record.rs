@@ -1,4 +1,4 @@
-//! The result of a trial, as a line of a file.
+//! The result of a trial, which is a line of a file.
 
 use envgen::Blueprint;
 use envgen::Seed;
@@ -13,38 +13,38 @@ use crate::trial::{EndReason, LOST};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
-    /// Which trial.
+    /// Identity of the trial.
     pub trial: TrialId,
-    /// The seed of its map.
+    /// Seed of the map.
     pub world_seed: Seed,
-    /// The seed of the sensor noise.
+    /// Seed of the sensor noise.
     pub noise_seed: Seed,
     /// Digest of the map's geometry.
     pub world_digest: String,
     /// Digest of the trial's log.
     pub log_digest: String,
-    /// Why it ended; `None` if it was broken off.
+    /// Why the trial ended; `None` if it was interrupted.
     pub end: Option<EndReason>,
-    /// Distance in metres of the last estimated position from the true one; absent in records of
+    /// Distance in metres between the last estimated position and the true one; absent in records of
     /// earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pose_error: Option<f64>,
-    /// What the generator's rules made of the map.
+    /// The features of the map, which the generator's rules control.
     pub features: MapFeatures,
-    /// How well the map was mapped, and how difficult that was.
+    /// The scores: how well the map was mapped, and how difficult that was.
     pub scores: Scores,
 }
 
 impl Record {
-    /// Whether both are the result of one trial; one of an earlier version may lack the error of the
-    /// last pose.
+    /// Whether both are results of the same trial. A record of an earlier version may lack the error of
+    /// the last pose.
     pub(super) fn agrees_with(&self, other: &Record) -> bool {
         let known = self.pose_error.and(other.pose_error);
         let pose_error = known.and(self.pose_error);
         Record { pose_error, ..self.clone() } == Record { pose_error: known, ..other.clone() }
     }
 
-    /// Why it ended, in words; a robot that is lost is said to be.
+    /// Returns in words why the trial ended, and whether the robot was lost.
     pub(super) fn end_text(&self) -> String {
         let text = self.end.map_or("–", EndReason::text);
         match self.pose_error {
@@ -58,28 +58,28 @@ impl Record {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapFeatures {
-    /// Distance between hallways in cells, the mean of both directions.
+    /// Mean distance between hallways in cells, over both directions.
     pub hallway_spacing: f64,
-    /// Open area as a share of the floor, without solid cells.
+    /// Open area as a fraction of the floor, without solid cells.
     pub open_share: f64,
-    /// Mean number of doorways drawn per side of a room.
+    /// Mean number of doorways per side of a room, as drawn.
     pub doorways_a_side: f64,
     /// Mean difficulty of the rooms; `None` without rooms.
     pub room_difficulty: Option<f64>,
-    /// 1 where hallway cycles were cut off, 0 where not.
+    /// 1 if hallway cycles were cut off, 0 if not.
     pub cycles_prevented: f64,
-    /// Independent cycles of the hallways.
+    /// Number of independent cycles of the hallways.
     pub hallway_cycles: f64,
-    /// Floor cells with only one neighbouring floor cell to reach them from.
+    /// Number of floor cells that can be reached from only one neighbouring floor cell.
     pub dead_ends: f64,
     /// Number of rooms.
     pub rooms: f64,
-    /// Rooms without a passable doorway.
+    /// Number of rooms without a passable doorway.
     pub rooms_closed: f64,
 }
 
 impl MapFeatures {
-    /// The features of a plan.
+    /// Returns the features of a plan.
     pub fn of(plan: &FloorPlan) -> Self {
         let metrics: IndoorMetrics = plan.metrics();
         let spacing = plan.draws().map_or([0; 2], |draws| draws.spacing);

@@ -1,4 +1,4 @@
-//! Trials in parallel.
+//! Running the trials of an experiment in parallel.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -14,7 +14,7 @@ use super::store::Experiment;
 /// The progress of an experiment.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
-    /// Number of finished trials, with those of earlier runs.
+    /// Number of finished trials, including those of earlier runs.
     pub done: usize,
     /// Number of trials of this share.
     pub all: usize,
@@ -25,7 +25,7 @@ pub struct Progress<'a> {
 /// What all threads share.
 struct Work<'a> {
     design: &'a Design,
-    /// Trials still to do, with their indices in the design's order.
+    /// The remaining trials, with their indices in the design's order.
     pending: &'a [(usize, TrialId)],
     next: AtomicUsize,
     stop: AtomicBool,
@@ -43,13 +43,13 @@ struct Sink<'a> {
 }
 
 impl Experiment {
-    /// Runs the trials that are still to do on `threads` threads, 0 for one per core. `watch` is
-    /// called after every finished trial and can stop the experiment, which a later call continues.
-    /// True if all trials are finished.
+    /// Runs the remaining trials on `threads` threads, 0 for one per core. `watch` is called after
+    /// every finished trial and can stop the experiment, which a later call continues. Returns true if
+    /// all trials are finished.
     ///
     /// # Errors
     ///
-    /// No trial can run on a map, or a file cannot be written. Finished trials stay.
+    /// If no trial can run on a map, or if a file cannot be written. Finished trials stay.
     pub fn run(
         &mut self,
         threads: usize,
@@ -73,7 +73,7 @@ impl Experiment {
     }
 }
 
-/// Runs trials on `threads` threads (0 for one per core), and writes each as it ends.
+/// Runs trials on `threads` threads (0 for one per core), and writes each when it ends.
 fn run(
     design: &Design,
     pending: &[(usize, TrialId)],
@@ -104,8 +104,8 @@ fn run(
 }
 
 impl Work<'_> {
-    /// One thread's part: it takes one trial after the other. Neighbours in the list are mostly of
-    /// one map, which stays in memory as long as a thread uses it.
+    /// The work of one thread, which runs one trial after the other. Neighbours in the list mostly have
+    /// the same map, which stays in memory as long as a thread uses it.
     fn go(&self) {
         let mut held: Option<(u32, u32, Held)> = None;
         while !self.stop.load(Ordering::Relaxed) {
@@ -127,7 +127,7 @@ impl Work<'_> {
 
     fn take(&self, place: usize, found: Result<Record, ExperimentError>) {
         let mut sink = self.sink.lock().unwrap_or_else(PoisonError::into_inner);
-        // After an error nothing more is written: a half line must stay the last one.
+        // After an error nothing more is written, so that an incomplete line stays the last one.
         if sink.error.is_some() {
             return;
         }

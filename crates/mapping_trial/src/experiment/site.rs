@@ -1,4 +1,4 @@
-//! The maps of an experiment, each computed once for all trials on it.
+//! The maps of an experiment, each computed once for all its trials.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -24,7 +24,7 @@ pub(super) struct Site {
 }
 
 impl Site {
-    /// The map of a trial.
+    /// Generates the map of a trial.
     pub(super) fn new(design: &Design, trial: &TrialId) -> Result<Self, ExperimentError> {
         let plan = design.spec(design.level(trial)).generate(design.world_seed(trial));
         let plan = plan.map_err(|error| unusable(design, trial, &error))?;
@@ -80,21 +80,21 @@ fn unusable(design: &Design, trial: &TrialId, error: &dyn Error) -> ExperimentEr
     }
 }
 
-/// The maps that are in use now.
+/// The maps that are in use.
 #[derive(Default)]
 pub(super) struct Sites {
     known: Mutex<BTreeMap<(u32, u32), Weak<Slot>>>,
 }
 
-/// A map that the first thread that needs it computes, while others wait.
+/// A map that the first thread that needs it computes, while other threads wait.
 type Slot = OnceLock<Result<Site, ExperimentError>>;
 
-/// A map that stays in memory as long as it is held.
+/// A handle that keeps a map in memory.
 #[derive(Clone)]
 pub(super) struct Held(Arc<Slot>);
 
 impl Sites {
-    /// The map of a trial.
+    /// Returns the handle of a trial's map.
     pub(super) fn hold(&self, trial: &TrialId) -> Held {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         let slot = known.entry((trial.level, trial.map)).or_default();
@@ -108,7 +108,7 @@ impl Sites {
 }
 
 impl Held {
-    /// The map itself.
+    /// Returns the map itself.
     pub(super) fn site(&self, design: &Design, trial: &TrialId) -> Result<&Site, ExperimentError> {
         self.0.get_or_init(|| Site::new(design, trial)).as_ref().map_err(ExperimentError::again)
     }

@@ -14,14 +14,14 @@ use super::record::Record;
 use super::site::Site;
 use super::write;
 
-/// Version of the folders' layout; a folder of another version is refused.
+/// Version of the layout of folders. A folder of another version is rejected.
 pub const EXPERIMENT_VERSION: u32 = 3;
 
 /// The file that describes what a folder holds.
 const HEAD: head::Kind =
     head::Kind { file: head::EXPERIMENT, what: "an experiment", version: EXPERIMENT_VERSION };
 
-/// What a folder holds.
+/// The content of a folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Head {
@@ -30,7 +30,7 @@ pub(super) struct Head {
     pub(super) design: Design,
 }
 
-/// An experiment in its folder: finished trials are kept, whatever happens to the program.
+/// An experiment in its folder, which keeps finished trials, whatever happens to the program.
 ///
 /// ```no_run
 /// use std::ops::ControlFlow;
@@ -49,21 +49,20 @@ pub(super) struct Head {
 pub struct Experiment {
     folder: PathBuf,
     pub(super) head: Head,
-    /// This share's trials with their indices in the design's order.
+    /// The trials of this share, with their indices in the design's order.
     pub(super) trials: Vec<(usize, TrialId)>,
-    /// Finished trials by index.
+    /// Finished trials, by index.
     pub(super) records: BTreeMap<usize, Record>,
     pub(super) lines: Lines,
 }
 
 impl Experiment {
-    /// Begins an experiment in a folder, or continues it. An unfinished last line is
-    /// dropped.
+    /// Begins an experiment in a folder, or continues it. An incomplete last line is dropped.
     ///
     /// # Errors
     ///
-    /// A design that is not allowed; a folder that cannot be written, holds another experiment,
-    /// is in use, or holds trials that now give other results.
+    /// If the design is not allowed, or if the folder cannot be written, holds another experiment, is
+    /// in use, or holds trials that now give other results.
     pub fn open(folder: &Path, design: &Design, shard: Shard) -> Result<Self, ExperimentError> {
         design.validate()?;
         shard.validate()?;
@@ -76,7 +75,7 @@ impl Experiment {
         Ok(experiment)
     }
 
-    /// Begins an experiment again: deletes what the folder holds of an earlier one.
+    /// Begins an experiment again: deletes what a folder holds of an earlier one.
     ///
     /// # Errors
     ///
@@ -85,12 +84,12 @@ impl Experiment {
         design.validate()?;
         shard.validate()?;
         write::folder(folder)?;
-        // What this program cannot make again is not deleted.
+        // Results that this program cannot make again are not deleted.
         if folder.join(head::SURVEY).exists() {
             let reason = format!("it holds a survey: {}", head::SURVEY);
             return Err(ExperimentError::Content { path: folder.to_owned(), reason });
         }
-        // Locked before anything is deleted: another process may be writing.
+        // The file is locked before anything is deleted, since another process may be writing.
         let lines = Lines::emptied(folder)?;
         let head = Head { version: EXPERIMENT_VERSION, shard, design: design.clone() };
         head::write(&folder.join(HEAD.file), &head)?;
@@ -98,12 +97,12 @@ impl Experiment {
         Ok(Experiment { folder, head, trials, records: BTreeMap::new(), lines })
     }
 
-    /// Joins the shares of an experiment in a folder of its own. Shares may overlap.
+    /// Merges the shares of an experiment into a folder of its own. Shares may overlap.
     ///
     /// # Errors
     ///
-    /// Shares of different designs, trials that differ, trials that are missing: then nothing is written. A folder that
-    /// cannot be written or holds another experiment.
+    /// If shares have different designs, if trials differ or are missing (nothing is written then), or
+    /// if the folder cannot be written or holds another experiment.
     pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Self, ExperimentError> {
         let mut whole: Option<Head> = None;
         let mut records: BTreeMap<usize, Record> = BTreeMap::new();
@@ -114,7 +113,8 @@ impl Experiment {
                 reason: "this file does not exist: the folder holds no share".to_owned(),
             };
             let head = read_head(&path)?.ok_or_else(missing)?;
-            // Before its trials are listed: they may be more than the memory holds.
+            // This is checked before the trials are listed, since they may need more memory than there
+            // is.
             head.design.validate().and_then(|()| head.shard.validate()).map_err(|error| {
                 ExperimentError::Content { path: path.clone(), reason: error.to_string() }
             })?;
@@ -133,7 +133,8 @@ impl Experiment {
                     let trial = name(&head.design, &record.trial);
                     return Err(ExperimentError::Code { path: part.clone(), trial });
                 }
-                // The order of the shares does not matter: of an earlier version's record and another, the other stays.
+                // The order of the shares does not matter: a record of an earlier version is replaced
+                // by another one.
                 if known.is_none_or(|known| known.pose_error.is_none()) {
                     records.insert(place, record);
                 }
@@ -161,7 +162,8 @@ impl Experiment {
         self.lines.replace(&text)
     }
 
-    /// Runs the first finished trial of each policy again: another program may differ in one alone.
+    /// Runs the first finished trial of each policy again, since another version of the program may
+    /// differ in one policy alone.
     fn check_code(&self) -> Result<(), ExperimentError> {
         let mut firsts: Vec<&Record> = Vec::new();
         for record in self.records.values() {
@@ -176,7 +178,7 @@ impl Experiment {
         })
     }
 
-    /// The error if a trial gives another result than before.
+    /// Returns an error if a trial gives another result than before.
     pub(super) fn require_same(
         &self,
         known: &Record,
@@ -189,43 +191,43 @@ impl Experiment {
         Err(ExperimentError::Code { path: self.folder.clone(), trial })
     }
 
-    /// The error if trials are missing.
+    /// Returns an error if trials are missing.
     pub(super) fn require_all(&self) -> Result<(), ExperimentError> {
         require_all(&self.head.design, &self.trials, &self.records)
     }
 
-    /// Whether all trials of this share are finished.
+    /// Returns whether all trials of this share are finished.
     pub fn is_complete(&self) -> bool {
         self.records.len() == self.trials.len()
     }
 
-    /// The folder.
+    /// Returns the folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// The design.
+    /// Returns the design.
     pub fn design(&self) -> &Design {
         &self.head.design
     }
 
-    /// The share of the trials.
+    /// Returns the share.
     pub fn shard(&self) -> Shard {
         self.head.shard
     }
 
-    /// Trials of this share.
+    /// Returns the number of trials of this share.
     pub fn trials(&self) -> usize {
         self.trials.len()
     }
 
-    /// The finished trials, in the design's order.
+    /// Returns the finished trials, in the design's order.
     pub fn records(&self) -> impl ExactSizeIterator<Item = &Record> {
         self.records.values()
     }
 }
 
-/// A trial in words.
+/// Describes a trial in words.
 fn name(design: &Design, trial: &TrialId) -> String {
     format!(
         "the trial of map {} of level {} with noise {} by {}",
@@ -253,7 +255,7 @@ fn share(head: &Head) -> Vec<(usize, TrialId)> {
     trials.filter(|(place, _)| head.shard.has(*place)).collect()
 }
 
-/// Reads whole lines, each a trial of this share that was not there before.
+/// Reads complete lines, each of which must be a trial of this share that has not occurred before.
 fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<usize, Record>, ExperimentError> {
     let places = share(head);
     // Trials are sorted by level, map, noise and the policy's index among all.

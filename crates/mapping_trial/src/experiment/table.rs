@@ -1,4 +1,4 @@
-//! All trials as rows: CSV and Parquet.
+//! Tables of all trials, as CSV and Parquet.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use super::stats::policy_of;
 /// A column: its name and one value per trial.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name in the files' heads.
+    /// Name of the column in the heads of files.
     pub name: String,
     /// The values.
     pub values: Values,
@@ -28,16 +28,16 @@ pub struct Column {
 /// The values of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Whole numbers.
+    /// Integers.
     Whole(Vec<u64>),
-    /// Numbers, which some trials may not have.
+    /// Numbers that may be absent for some trials.
     Real(Vec<Option<f64>>),
     /// Words.
     Text(Vec<String>),
 }
 
-/// The columns of all trials: which trial it was, M, N, D and their parts, the other scores, the
-/// features of the map, the digests, and the error of the last pose.
+/// Returns the columns of all trials: identity, M, N, D and their parts, the other scores, the features
+/// of the map, the digests, and the error of the last pose.
 pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
     let whole = |name: &str, of: &dyn Fn(&Record) -> u64| Column {
         name: name.to_owned(),
@@ -70,7 +70,7 @@ pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
     columns
 }
 
-/// The numeric fields of structs, the difficulties and their parts first.
+/// The numeric fields of structs, beginning with the difficulties and their parts.
 fn numbers<T: Serialize>(rows: impl Iterator<Item = T>) -> Vec<Column> {
     let rows: Vec<serde_json::Map<String, Value>> = rows
         .filter_map(|row| match serde_json::to_value(row) {
@@ -100,7 +100,7 @@ fn numbers<T: Serialize>(rows: impl Iterator<Item = T>) -> Vec<Column> {
     names.into_iter().map(column).collect()
 }
 
-/// The fields of an object, those of objects in it under both names: `score_1_mapping`.
+/// Flattens an object: fields of inner objects get both names, as in `score_1_mapping`.
 fn flat(fields: serde_json::Map<String, Value>) -> serde_json::Map<String, Value> {
     let mut all = serde_json::Map::new();
     for (name, value) in fields {
@@ -118,7 +118,7 @@ fn flat(fields: serde_json::Map<String, Value>) -> serde_json::Map<String, Value
     all
 }
 
-/// The table as CSV (RFC 4180). Numbers keep every digit; absent values are empty.
+/// Returns the table as CSV (RFC 4180). Numbers keep every digit, and absent values are empty.
 pub fn csv(columns: &[Column]) -> Result<Vec<u8>, ExperimentError> {
     let report_error = |error: csv::Error| ExperimentError::Report(error.to_string());
     let mut writer = csv::Writer::from_writer(Vec::new());
@@ -142,7 +142,7 @@ fn rows(columns: &[Column]) -> usize {
     })
 }
 
-/// The table as a Parquet file of one row group, not compressed.
+/// Returns the table as a Parquet file of one row group, without compression.
 pub fn parquet(columns: &[Column]) -> Result<Vec<u8>, ExperimentError> {
     write_parquet(columns).map_err(|error| ExperimentError::Report(error.to_string()))
 }
@@ -171,7 +171,7 @@ fn write_parquet(columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
         let Some(mut out) = group.next_column()? else { break };
         match &column.values {
             Values::Whole(values) => {
-                // The bits of the unsigned numbers.
+                // The bits of unsigned numbers.
                 let bits: Vec<i64> = values.iter().map(|&value| value.cast_signed()).collect();
                 out.typed::<Int64Type>().write_batch(&bits, None, None)?;
             }

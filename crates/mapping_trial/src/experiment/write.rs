@@ -1,4 +1,4 @@
-//! Files that are written whole or not at all, with the errors of experiments.
+//! Files that are written as a whole or not at all, with the errors of experiments.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ pub(crate) fn folder(path: &Path) -> Result<(), ExperimentError> {
         .map_err(|source| ExperimentError::File { path: path.to_owned(), source })
 }
 
-/// Writes a file under another name first.
+/// Writes a file under a temporary name first.
 pub(super) fn whole(path: &Path, bytes: &[u8]) -> Result<(), ExperimentError> {
     whole_file::write(path, bytes)
         .map_err(|error| ExperimentError::File { path: path.to_owned(), source: error.error })

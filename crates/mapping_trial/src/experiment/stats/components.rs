@@ -1,5 +1,5 @@
-//! Variance components of crossed factors: how much of a measure belongs to the maps, how much to
-//! the policy, the laser or the estimator, how much to their interactions, and how much to noise.
+//! Variance components of crossed factors: how much of the variance of a measure is due to the maps, to
+//! the policy, the laser or the estimator, to their interactions, and to noise.
 
 use envgen::{Seed, Stream};
 use serde::{Serialize, Serializer};
@@ -7,32 +7,32 @@ use statrs::statistics::{Data, OrderStatistics};
 
 use super::resample::{Interval, RESAMPLES};
 
-/// A measure of every trial of a full factorial design: every level of each factor with every level
-/// of the others, each combination with the same number of trials.
+/// A measure of every trial of a full factorial design: all combinations of the levels of all factors,
+/// each with the same number of trials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factorial {
     /// Names of the factors, the maps first.
     pub factors: Vec<&'static str>,
     /// Number of levels of each factor.
     pub sizes: Vec<usize>,
-    /// Trials per combination, which differ in noise.
+    /// Number of trials per combination, which differ in noise.
     pub repeats: usize,
-    /// Whether the trials of a map with one number have the same noise in all combinations.
+    /// Whether trials of a map with the same number have the same noise in all combinations.
     pub shares_noise: bool,
-    /// The values: the first factor's first level first, the noise last.
+    /// The values. The levels of the first factor vary slowest, and the noise varies fastest.
     pub values: Vec<f64>,
 }
 
 /// One component of the variance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Component {
-    /// The factors whose interaction it is, such as `map` or `map x policy`; `noise` for
-    /// what differs between trials of one combination. Files call the policy `operator`.
+    /// The factors whose interaction it is, such as `map` or `map x policy`; `noise` for the
+    /// differences between trials of one combination. Files call the policy `operator`.
     #[serde(serialize_with = "effect_in_files")]
     pub effect: String,
-    /// Its variance, at least 0.
+    /// The variance, at least 0.
     pub variance: f64,
-    /// Its share of the sum of all variances, with an interval of 95 % over maps.
+    /// Its fraction of the sum of all variances, with a 95 % interval over maps.
     pub share: Interval,
 }
 
@@ -41,12 +41,12 @@ fn effect_in_files<S: Serializer>(effect: &str, serializer: S) -> Result<S::Ok, 
     serializer.serialize_str(&effect.replace("policy", "operator"))
 }
 
-/// Where the variance of a measure comes from.
+/// The variance components of a measure.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeasureComponents {
-    /// Its symbol.
+    /// Symbol of the measure.
     pub symbol: &'static str,
-    /// Its components.
+    /// The components.
     #[serde(flatten)]
     pub components: Components,
 }
@@ -56,25 +56,27 @@ pub struct MeasureComponents {
 pub struct Components {
     /// All components: maps, the other factors, their interactions, noise.
     pub components: Vec<Component>,
-    /// Signal to noise: the variance of maps over the variance within a map, of noise and of
-    /// all interactions with the map. Absent if nothing varies within a map.
+    /// Signal-to-noise ratio: the variance of maps over the variance within a map, which is that of
+    /// noise and of all interactions with the map; absent if nothing varies within a map.
     pub signal_to_noise: Option<Interval>,
-    /// Trials per map, each under conditions that are drawn at random and with noise of its own, for a standard error of
-    /// 0.2 of its mean. Where the conditions are few and the same for all maps, more trials reduce the noise alone.
+    /// Number of trials per map for which its mean has a standard error of 0.2, if each trial has
+    /// randomly drawn conditions and its own noise. If the conditions are few and the same for all
+    /// maps, more trials reduce the noise alone.
     pub trials_for_fifth: u64,
 }
 
 impl Components {
-    /// The share of an effect.
+    /// Returns the fraction of an effect.
     pub fn share(&self, effect: &str) -> Option<Interval> {
         self.components.iter().find(|one| one.effect == effect).map(|one| one.share)
     }
 }
 
-/// Estimates the components from the mean squares of a random model (Brennan, Generalizability
-/// Theory, 2001, chapter 3), each cut at 0, with a percentile bootstrap over maps. Noise that the combinations share
-/// is nested within maps, and crossed with all other factors. `None` if a factor has one level, trials are not repeated,
-/// values are missing, or nothing varies.
+/// Estimates the components from the mean squares of a random model (Brennan, Generalizability Theory,
+/// 2001, chapter 3), each cut at 0, with a percentile bootstrap over maps.
+///
+/// Noise that the combinations share is nested within maps, and crossed with all other factors. Returns
+/// `None` if a factor has one level, trials are not repeated, values are missing, or nothing varies.
 ///
 /// ```
 /// use mapping_trial::experiment::stats::{Factorial, components};
@@ -132,8 +134,8 @@ pub fn components(design: &Factorial) -> Option<Components> {
 }
 
 impl Factorial {
-    /// The name of a component. Component `i` belongs to the factors whose bits are set in `i + 1`;
-    /// the last one is noise.
+    /// The name of a component. Component `i` is the interaction of the factors whose bits are set in
+    /// `i + 1`; the last component is noise.
     fn effect(&self, component: usize) -> String {
         let set = component + 1;
         if set == 1 << self.factors.len() {
@@ -147,7 +149,8 @@ impl Factorial {
 /// The set of the maps alone, by its bit.
 const MAP: usize = 1;
 
-/// The cells of a design, each a combination of levels of all factors, grouped by the levels of a set of factors.
+/// The cells of a design, which are the combinations of levels of all factors, grouped by the levels of
+/// a set of factors.
 struct Grouping {
     /// Number of groups.
     count: usize,
@@ -180,12 +183,12 @@ fn groupings(sizes: &[usize]) -> Vec<Grouping> {
     (0..1 << sizes.len()).map(by).collect()
 }
 
-/// The variances of all sets of factors, in the order of their bits, then of noise.
+/// The variances of all sets of factors in the order of their bits, and then of noise.
 fn variances(design: &Factorial, groupings: &[Grouping]) -> Vec<f64> {
     let full = groupings.len() - 1;
     let sums: Vec<f64> = groupings.iter().map(|by| squares(design, by, false)).collect();
     let levels = |set: usize| groupings[set].count as f64;
-    // The sum of squares of an interaction is what its means have beyond all smaller sets.
+    // The sum of squares of an interaction is what its means have beyond those of all smaller sets.
     let mean_square = |set: usize| {
         let own: f64 = subsets(set).map(|part| sign(set, part) * sums[part]).sum();
         let freedom: f64 = subsets(set).map(|part| sign(set, part) * levels(part)).sum();
@@ -213,8 +216,8 @@ fn variances(design: &Factorial, groupings: &[Grouping]) -> Vec<f64> {
     found
 }
 
-/// The mean squares of shared noise, nested within maps, and of its interactions with the other factors, by the set that
-/// they and the map are; 0 for sets without the map.
+/// The mean squares of shared noise, which is nested within maps, and of its interactions with the
+/// other factors, by the set of factors with the map; 0 for sets without the map.
 fn shared_noises(design: &Factorial, groupings: &[Grouping], sums: &[f64]) -> Vec<f64> {
     let by_noise: Vec<f64> = groupings.iter().map(|by| squares(design, by, true)).collect();
     let levels = |set: usize| groupings[set].count as f64;
@@ -230,8 +233,8 @@ fn shared_noises(design: &Factorial, groupings: &[Grouping], sums: &[f64]) -> Ve
     (0..groupings.len()).map(of).collect()
 }
 
-/// The sum of the squares of the means over everything but a set of factors and, where these are apart, the repeats,
-/// weighted by how many values each is of.
+/// The sum of the squared means over everything except a set of factors and, if `are_apart`, the
+/// repeats. Each mean is weighted by its number of values.
 fn squares(design: &Factorial, by: &Grouping, are_apart: bool) -> f64 {
     let each = if are_apart { design.repeats } else { 1 };
     let mut sums = vec![0.0; by.count * each];
@@ -244,7 +247,7 @@ fn squares(design: &Factorial, by: &Grouping, are_apart: bool) -> f64 {
     sums.iter().map(|sum| sum * sum / values_each).sum()
 }
 
-/// All subsets of a set of bits, the empty one included.
+/// All subsets of a set of bits, including the empty one.
 fn subsets(set: usize) -> impl Iterator<Item = usize> {
     (0..=set).filter(move |part| part & set == *part)
 }
@@ -254,7 +257,7 @@ fn sign(set: usize, part: usize) -> f64 {
     if (set.count_ones() - part.count_ones()).is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// The same design with as many maps, drawn with replacement.
+/// The design with as many maps, drawn with replacement.
 fn resampled(design: &Factorial, stream: &mut Stream) -> Factorial {
     let maps = design.sizes[0];
     let length = design.values.len() / maps;

@@ -3,20 +3,20 @@
 use crate::experiment::record::{MapFeatures, Record};
 use crate::score::{Parts, Scores};
 
-/// A number per trial; greater is more difficult.
+/// A measure: a number per trial. A greater value is more difficult.
 #[derive(Clone, Copy, Debug)]
 pub struct Measure {
-    /// Its symbol in formulas and tables.
+    /// Symbol in formulas and tables.
     pub symbol: &'static str,
     /// Its name.
     pub name: &'static str,
-    /// Its greatest possible value.
+    /// Greatest possible value.
     pub most: f64,
-    /// Its value in a trial's scores.
+    /// Function that returns the value for a trial's scores.
     pub of: fn(&Scores) -> f64,
 }
 
-/// D, M and N, then their parts; D, M and N by score 1, then the parts that differ.
+/// All measures: D, M and N, then their parts; D, M and N by score 1, then the parts that differ.
 pub const MEASURES: [Measure; 18] = [
     Measure { symbol: "D", name: "difficulty", most: 10.0, of: |s| s.difficulty },
     Measure { symbol: "M", name: "difficulty of mapping", most: 10.0, of: |s| s.mapping },
@@ -53,28 +53,28 @@ pub const MEASURES: [Measure; 18] = [
     Measure { symbol: "e_turn1", name: "turning", most: 1.0, of: |s| s.score_1.e_turn },
 ];
 
-/// The means of a map.
+/// The means of the measures on a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapValues {
-    /// Index of its level in the design.
+    /// Index of the map's level in the design.
     pub level: usize,
-    /// Its number within the level.
+    /// Number of the map within the level.
     pub map: u32,
-    /// Of each of [`MEASURES`], over all trials on the map.
+    /// Mean of each of [`MEASURES`] over all trials on the map.
     pub means: [f64; MEASURES.len()],
-    /// Its features.
+    /// Features of the map.
     pub features: MapFeatures,
 }
 
 impl MapValues {
-    /// The parts of D, as means over the trials.
+    /// Returns the parts of D, as means over the trials.
     pub fn parts(&self) -> Parts {
         let [_, _, _, e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn, ..] = self.means;
         Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn }
     }
 }
 
-/// The means of every map; records are in the design's order, a map's records together.
+/// Returns the means of every map. The records are in the design's order, with those of a map together.
 pub fn map_values(records: &[&Record]) -> Vec<MapValues> {
     let maps =
         records.chunk_by(|a, b| (a.trial.level, a.trial.map) == (b.trial.level, b.trial.map));

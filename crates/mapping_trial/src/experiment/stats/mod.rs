@@ -1,9 +1,10 @@
 //! The statistics of an experiment.
 //!
-//! The unit of every statistic is the map: trials on one map that differ in noise or policy are
-//! averaged first, since they are not independent. Intervals are of 95 %: Student's t for means of a level,
-//! the percentile bootstrap over maps, drawn within their levels, for everything else (Efron and
-//! Tibshirani, An Introduction to the Bootstrap, 1993, chapters 13 and 14).
+//! The unit of every statistic is the map. Trials on one map that differ in noise or policy are
+//! averaged first, since they are not independent. Intervals have a level of 95 %: they are by
+//! Student's t for means of a level, and by the percentile bootstrap over maps, drawn within their
+//! levels, for everything else (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapters
+//! 13 and 14).
 
 mod components;
 mod measure;
@@ -40,19 +41,20 @@ use crate::trial::EndReason;
 /// All statistics of an experiment.
 #[derive(Clone, Debug, Serialize)]
 pub struct Analysis {
-    /// The paper's design.
+    /// The statistics of the paper's design.
     pub replay: Part,
-    /// The larger design.
+    /// The statistics of the larger design.
     pub main: Part,
-    /// How each rule's feature changes with the level, and its effect on the larger design's scores.
+    /// How the feature of each rule changes with the level, and its effect on the scores of the larger
+    /// design.
     pub rules: Vec<FeatureEffect>,
     /// How the ranking of the larger design's maps changes with the weights of the scores.
     pub weights: Vec<Weighting>,
-    /// How each level's trials ended, all trials counted once.
+    /// How the trials of each level ended, with every trial counted once.
     pub ends: Vec<EndCounts>,
 }
 
-/// How a level's trials ended.
+/// How the trials of a level ended.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EndCounts {
     /// Number of trials.
@@ -64,7 +66,7 @@ pub struct EndCounts {
 }
 
 impl EndCounts {
-    /// The share of trials that ended because the robot was lost: stuck or in water.
+    /// Returns the fraction of trials that ended because the robot was lost: stuck or in water.
     pub fn share_lost(&self) -> f64 {
         let lost = [EndReason::Stuck, EndReason::Drowned];
         let lost: usize = lost.iter().filter_map(|reason| self.reasons.get(reason)).sum();
@@ -75,26 +77,26 @@ impl EndCounts {
 /// The statistics of one design.
 #[derive(Clone, Debug, Serialize)]
 pub struct Part {
-    /// Maps per level.
+    /// Number of maps per level.
     pub maps: usize,
-    /// Noise seeds per map.
+    /// Number of noise seeds per map.
     pub noise_seeds: usize,
     /// Number of trials.
     pub trials: usize,
-    /// The least rank correlation of different values that chance reaches in at most 5 % of cases; `None` where it
-    /// reaches even the greatest more often.
+    /// Critical value of the rank correlation: the least one of different values that chance reaches in
+    /// at most 5 % of cases; `None` if chance reaches even the greatest one more often.
     pub critical_rho: Option<f64>,
-    /// For each measure, over all policies.
+    /// The order in each measure, over all policies.
     pub orders: Vec<Order>,
-    /// For each measure of which trials are repeated: which part of the variance of single trials
-    /// belongs to the maps of all levels, to the policies, to both together, and to noise.
+    /// Variance components of each measure, if trials are repeated: the parts of the variance of single
+    /// trials that belong to the maps of all levels, to the policies, to both together, and to noise.
     pub components: Vec<MeasureComponents>,
-    /// For D, M and N, by policy; `operators` in files.
+    /// The orders in D, M and N, by policy. The name in files is `operators`.
     #[serde(rename = "operators")]
     pub policies: Vec<PolicyOrders>,
     /// The order of three maps of different levels, for D, M and N.
     pub relative: Vec<Relative>,
-    /// The mean of each map.
+    /// The means of each map.
     #[serde(skip)]
     pub values: Vec<MapValues>,
 }
@@ -102,10 +104,10 @@ pub struct Part {
 /// The orders of one policy.
 #[derive(Clone, Debug, Serialize)]
 pub struct PolicyOrders {
-    /// Its name, `operator` in files.
+    /// Name of the policy. Its name in files is `operator`.
     #[serde(rename = "operator")]
     pub policy: &'static str,
-    /// For D, M and N.
+    /// The orders in D, M and N.
     pub orders: Vec<Order>,
 }
 
@@ -115,7 +117,7 @@ pub struct Weighting {
     /// The change of the ranking.
     #[serde(flatten)]
     pub sensitivity: Sensitivity,
-    /// Spearman's correlation of level and D with the changed weight.
+    /// Spearman's correlation between level and D, with the changed weight.
     pub rho: Option<f64>,
 }
 
@@ -177,7 +179,7 @@ fn part(design: &Design, records: &[&Record]) -> Part {
     }
 }
 
-/// The components of maps and policies, if each policy drove as often on each map.
+/// The variance components of maps and policies, if each policy drove equally often on each map.
 fn variance_components(records: &[&Record]) -> Vec<MeasureComponents> {
     let maps: Vec<&[&Record]> = records
         .chunk_by(|a, b| (a.trial.level, a.trial.map) == (b.trial.level, b.trial.map))
@@ -201,7 +203,7 @@ fn variance_components(records: &[&Record]) -> Vec<MeasureComponents> {
             factors.push("policy");
             sizes.push(policies.len());
         }
-        // Noise is the same for all policies.
+        // The noise is the same for all policies.
         let design = Factorial { factors, sizes, repeats, shares_noise: true, values };
         let components = components(&design)?;
         Some(MeasureComponents { symbol: measure.symbol, components })
@@ -214,7 +216,7 @@ const MEASURED_POLICIES: &[(&str, crate::policy::PolicyKind)] =
     <crate::policy::PolicyKind as crate::names::Named>::NAMES;
 
 fn weightings(design: &Design, values: &[MapValues]) -> Vec<Weighting> {
-    // D is linear in its parts: the D of mean parts is the mean D.
+    // D is linear in its parts, so that the D of mean parts is the mean D.
     let parts: Vec<Parts> = values.iter().map(MapValues::parts).collect();
     let levels: Vec<f64> = values.iter().map(|map| design.levels[map.level]).collect();
     let found = sensitivity(&parts, Weights::default());

@@ -1,4 +1,4 @@
-//! Whether a measure follows the level.
+//! Whether a measure follows the level of difficulty.
 
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -11,27 +11,27 @@ use crate::experiment::design::Design;
 use crate::experiment::record::Record;
 use crate::score::kendall_tau;
 
-/// A probability by chance that counts as rare.
+/// Greatest probability that counts as rare.
 const SELDOM: f64 = 0.05;
 
 /// How a measure follows the level.
 #[derive(Clone, Debug, Serialize)]
 pub struct Order {
-    /// The measure's symbol.
+    /// Symbol of the measure.
     pub measure: &'static str,
-    /// Spearman's rank correlation of level and map.
+    /// Spearman's rank correlation between level and map means.
     pub rho: Option<Interval>,
     /// Probability that chance alone gives this correlation or a greater one.
     pub p: Option<f64>,
-    /// Probability that chance alone gives this correlation or a lesser one.
+    /// Probability that chance alone gives this correlation or a smaller one.
     pub p_below: Option<f64>,
-    /// Kendall's tau-b of level and map.
+    /// Kendall's tau-b between level and map means.
     pub tau: Option<f64>,
-    /// The mean of each level's maps.
+    /// Mean of the maps of each level.
     pub means: Vec<Mean>,
-    /// Neighbouring levels of which the higher has the higher mean.
+    /// Number of pairs of neighbouring levels of which the higher has the higher mean.
     pub neighbours_in_order: usize,
-    /// Where the variance of single trials comes from, policies averaged.
+    /// Parts of the variance of single trials, with policies averaged.
     pub shares: Option<Shares>,
 }
 
@@ -39,10 +39,11 @@ pub struct Order {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The correlation is positive beyond its interval and beyond chance, and every level's mean is
-    /// above the one before.
+    /// The correlation is positive beyond its interval and beyond chance, and the mean of every level
+    /// is above that of the level before.
     InOrder,
-    /// The correlation is positive beyond both, but some neighbouring levels' means are not.
+    /// The correlation is positive beyond both, but the means of some neighbouring levels are not in
+    /// order.
     OnTheWhole,
     /// The interval of the correlation contains 0, chance gives as much, or there is no correlation.
     NotShown,
@@ -50,30 +51,30 @@ pub enum Verdict {
     Reversed,
 }
 
-/// The mean of a level's maps.
+/// The mean of the maps of a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Mean {
     /// The level.
     pub level: f64,
     /// Number of maps.
     pub maps: usize,
-    /// The mean, with Student's interval of 95 %.
+    /// The mean, with Student's 95 % interval.
     pub mean: Interval,
 }
 
 impl Order {
-    /// Pairs of neighbouring levels.
+    /// Returns the number of pairs of neighbouring levels.
     pub fn neighbours(&self) -> usize {
         self.means.len().saturating_sub(1)
     }
 
-    /// Whether the correlation is rarer by chance than one of twenty.
+    /// Returns whether chance gives the correlation in less than one of twenty cases.
     pub fn counts(&self) -> bool {
         self.p.is_some_and(|p| p <= SELDOM)
     }
 
-    /// The verdict on the order. The bootstrap's interval is too narrow for few maps per level:
-    /// the correlation must also be rare by chance.
+    /// Returns the verdict on the order. Since the bootstrap's interval is too narrow for few maps per
+    /// level, the correlation must also be rare by chance.
     pub fn verdict(&self) -> Verdict {
         let (Some(rho), Some(p_below)) = (self.rho, self.p_below) else { return Verdict::NotShown };
         if rho.is_negative() && p_below <= SELDOM {
@@ -131,13 +132,13 @@ pub fn order(
     }
 }
 
-/// Mean with Student's interval of 95 %, cut to the measure's range.
+/// Mean with Student's 95 % interval, cut to the range of the measure.
 fn mean(values: &[f64], most: f64) -> Interval {
     let (value, half) = mean_and_half(values);
     Interval { value, low: (value - half).max(0.0), high: (value + half).min(most) }
 }
 
-/// Mean, and half of Student's interval of 95 %.
+/// Mean, and half of Student's 95 % interval.
 pub(crate) fn mean_and_half(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let value = values.iter().sum::<f64>() / count;
@@ -146,8 +147,8 @@ pub(crate) fn mean_and_half(values: &[f64]) -> (f64, f64) {
     (value, half_interval(error, count - 1.0))
 }
 
-/// Half of Student's interval of 95 % for a standard error of so many degrees of freedom; infinite for none: anything is
-/// possible.
+/// Half of Student's 95 % interval for a standard error with some degrees of freedom. It is infinite
+/// without any, since anything is possible then.
 pub(crate) fn half_interval(standard_error: f64, degrees: f64) -> f64 {
     match StudentsT::new(0.0, 1.0, degrees) {
         Ok(law) => law.inverse_cdf(0.975) * standard_error,

@@ -1,18 +1,18 @@
-//! Correlation of ranks.
+//! Rank correlation.
 
 use statrs::statistics::{Data, OrderStatistics, RankTieBreaker};
 
 use super::measure::MapValues;
 use crate::experiment::design::Design;
 
-/// Number of random orders that show what chance gives.
+/// Number of random orders by which chance is estimated.
 const SHUFFLES: usize = 10_000;
 
-/// Equal correlations may differ in their last bits.
+/// Tolerance, since equal correlations may differ in their last bits.
 const NEAR: f64 = 1e-9;
 
-/// Spearman's rank correlation, ties with their mean rank; `None` for lists of different lengths,
-/// or when all values of one are equal.
+/// Returns Spearman's rank correlation, where ties have their mean rank; `None` for lists of different
+/// lengths, or if all values of one list are equal.
 ///
 /// ```
 /// use mapping_trial::experiment::stats::spearman;
@@ -26,7 +26,7 @@ pub fn spearman(a: &[f64], b: &[f64]) -> Option<f64> {
     pearson(&ranks(a), &ranks(b))
 }
 
-/// The ranks of values from 1, ties with their mean rank.
+/// Returns the ranks of values from 1, where ties have their mean rank.
 pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
     Data::new(values.to_vec()).ranks(RankTieBreaker::Average)
 }
@@ -49,20 +49,21 @@ pub(crate) fn pearson(a: &[f64], b: &[f64]) -> Option<f64> {
     (norm > 0.0).then(|| (ab / norm).clamp(-1.0, 1.0))
 }
 
-/// Spearman's correlations of levels with the values of a measure in random order: what chance alone gives.
+/// The null distribution of Spearman's correlation: correlations of levels with the values of a measure
+/// in random order.
 #[derive(Clone, Debug)]
 pub struct Null {
-    /// In increasing order.
+    /// The correlations in ascending order.
     rhos: Vec<f64>,
 }
 
 impl Null {
-    /// Shuffles what was measured, one value per map of a design; the draws follow from the design's seed. Equal values
-    /// stay equal.
+    /// Shuffles measured values, one per map of a design. The draws follow from the design's seed.
+    /// Equal values stay equal.
     pub fn new(design: &Design, maps: &[MapValues], measured: &[f64]) -> Self {
         let levels: Vec<f64> = maps.iter().map(|map| design.levels[map.level]).collect();
         let (levels, mut places) = (ranks(&levels), ranks(measured));
-        // So that the draws depend on which values are equal alone.
+        // This makes the draws depend only on which values are equal.
         places.sort_by(f64::total_cmp);
         let mut stream = design.seed.stream("experiment/null", 0);
         let draw = |_| {
@@ -74,22 +75,22 @@ impl Null {
         Null { rhos }
     }
 
-    /// The least correlation that chance reaches in at most 5 % of cases; `None` where it reaches even the greatest
-    /// more often.
+    /// Returns the critical value: the least correlation that chance reaches in at most 5 % of cases;
+    /// `None` if chance reaches even the greatest one more often.
     pub fn critical(&self) -> Option<f64> {
-        // With the correlation itself, as in `p_value`.
+        // This includes the correlation itself, as in `p_value`.
         let allowed = (self.rhos.len() + 1) / 20 - 1;
         let edge = self.rhos[self.rhos.len() - allowed - 1];
         self.rhos.iter().find(|&&rho| rho > edge + NEAR).copied()
     }
 
-    /// Probability that chance gives a correlation of `rho` or more.
+    /// Returns the probability that chance gives a correlation of `rho` or more.
     pub fn p_value(&self, rho: f64) -> f64 {
         let below = self.rhos.partition_point(|&other| other < rho - NEAR);
         (self.rhos.len() - below + 1) as f64 / (self.rhos.len() + 1) as f64
     }
 
-    /// Probability that chance gives a correlation of `rho` or less.
+    /// Returns the probability that chance gives a correlation of `rho` or less.
     pub fn p_value_below(&self, rho: f64) -> f64 {
         let below = self.rhos.partition_point(|&other| other <= rho + NEAR);
         (below + 1) as f64 / (self.rhos.len() + 1) as f64

@@ -1,6 +1,6 @@
-//! Least squares within levels.
+//! Least-squares regression within levels.
 
-/// Subtracts each level's mean; what is left varies between maps of one level.
+/// Subtracts the mean of each level, so that only the variation between maps of one level is left.
 pub(super) fn within(levels: &[usize], values: &mut [f64]) {
     let mut rest = values;
     for group in levels.chunk_by(|a, b| a == b) {
@@ -11,15 +11,15 @@ pub(super) fn within(levels: &[usize], values: &mut [f64]) {
     }
 }
 
-/// The slope of `y` over `x`, both of mean 0; `None` where `x` does not vary.
+/// Returns the slope of `y` over `x`, both of mean 0; `None` if `x` does not vary.
 pub(super) fn slope(x: &[f64], y: &[f64]) -> Option<f64> {
     let xx: f64 = x.iter().map(|x| x * x).sum();
     let xy: f64 = x.iter().zip(y).map(|(x, y)| x * y).sum();
     (xx > 1e-12 * x.len() as f64).then(|| xy / xx)
 }
 
-/// The slopes of `y` over several `x` at once, all of mean 0, by the normal equations; `None` where
-/// the columns nearly depend on each other.
+/// Returns the slopes of `y` over several `x` at once, all of mean 0, by the normal equations; `None`
+/// if the columns are nearly dependent on each other.
 pub(super) fn slopes<const N: usize>(xs: &[Vec<f64>; N], y: &[f64]) -> Option<[f64; N]> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     // Columns of length 1, so that the test for nearly 0 does not depend on units.

@@ -7,7 +7,7 @@ use statrs::statistics::{Data, OrderStatistics};
 /// Number of samples of every bootstrap.
 pub const RESAMPLES: usize = 2000;
 
-/// An estimate with its interval of 95 %.
+/// An estimate with its 95 % interval.
 ///
 /// ```
 /// use mapping_trial::experiment::stats::Interval;
@@ -29,12 +29,12 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Whether the whole interval is above 0.
+    /// Returns whether the whole interval is above 0.
     pub fn is_positive(&self) -> bool {
         self.low > 0.0
     }
 
-    /// Whether the whole interval is below 0.
+    /// Returns whether the whole interval is below 0.
     pub fn is_negative(&self) -> bool {
         self.high < 0.0
     }
@@ -42,8 +42,8 @@ impl Interval {
 
 /// Draws maps within their levels, as many as there are.
 ///
-/// `levels` holds the level of each map, a level's maps together. The result lists indices of maps,
-/// which keep their levels' order.
+/// `levels` holds the level of each map, with the maps of a level together. The result lists indices of
+/// maps in the order of their levels.
 fn draw(levels: &[usize], stream: &mut Stream) -> Vec<usize> {
     let mut drawn = Vec::with_capacity(levels.len());
     for group in levels.chunk_by(|a, b| a == b) {
@@ -53,8 +53,8 @@ fn draw(levels: &[usize], stream: &mut Stream) -> Vec<usize> {
     drawn
 }
 
-/// The percentile bootstrap of several statistics of the same maps at once; `None` for those that
-/// do not exist for the maps themselves, or for more than a tenth of the samples.
+/// Computes the percentile bootstrap of several statistics of the same maps at once; `None` for those
+/// that do not exist for the maps themselves, or for more than a tenth of the samples.
 pub(crate) fn bootstrap<const N: usize>(
     levels: &[usize],
     stream: &mut Stream,

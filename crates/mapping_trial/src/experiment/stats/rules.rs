@@ -1,9 +1,9 @@
 //! Which rule makes maps more difficult, and which works against the level.
 //!
-//! A rule moves its feature with the level (the trend). Within a level the feature still varies by
-//! chance, and maps with more of it are more or less difficult (the slope). Trend times slope is
-//! what the rule adds to the difficulty for each level; where that is negative beyond its interval,
-//! the rule makes maps easier when it should make them harder: it is to blame.
+//! A rule changes its feature with the level (the trend). Within a level the feature still varies by
+//! chance, and maps with more of it are more or less difficult (the slope). The product of trend and
+//! slope is what the rule adds to the difficulty per level. If it is negative beyond its interval, the
+//! rule makes maps easier when it should make them harder: it is to blame.
 
 use serde::Serialize;
 
@@ -13,23 +13,23 @@ use super::resample::{Interval, bootstrap};
 use crate::experiment::design::Design;
 use crate::experiment::record::MapFeatures;
 
-/// A number that shows the effect of a rule.
+/// A feature: a number that shows the effect of a rule.
 #[derive(Clone, Copy, Debug)]
 pub struct Feature {
-    /// The rule, by the paper's adaptation.
+    /// The rule, named after the adaptation in the paper.
     pub rule: &'static str,
     /// The feature in words.
     pub name: &'static str,
-    /// Whether the rule sets it directly; otherwise it follows from what the rule does.
+    /// Whether the rule sets it directly. Otherwise it is a consequence of the rule.
     pub is_direct: bool,
-    /// Its value for a map.
+    /// Function that returns the value for a map.
     pub of: fn(&MapFeatures) -> f64,
 }
 
-/// Number of features that rules set directly: one per rule, the first of [`FEATURES`].
+/// Number of features that rules set directly: one per rule, which come first in [`FEATURES`].
 const DIRECT: usize = 5;
 
-/// The five rules' features, then what follows from cycle prevention.
+/// The features of the five rules, then the consequences of cycle prevention.
 pub const FEATURES: [Feature; DIRECT + 2] = [
     Feature {
         rule: "hallway spacing",
@@ -75,7 +75,7 @@ pub const FEATURES: [Feature; DIRECT + 2] = [
     },
 ];
 
-/// How a feature changes with the level, and difficulty with the feature.
+/// How a feature changes with the level, and how difficulty changes with the feature.
 #[derive(Clone, Debug, Serialize)]
 pub struct FeatureEffect {
     /// The rule.
@@ -84,28 +84,29 @@ pub struct FeatureEffect {
     pub feature: &'static str,
     /// Whether the rule sets it directly.
     pub is_direct: bool,
-    /// The feature's mean at each level.
+    /// Mean of the feature at each level.
     pub means: Vec<f64>,
     /// Change of the feature per level.
     pub trend: Option<Interval>,
-    /// Its effect on D, M and N.
+    /// Effects of the feature on D, M and N.
     pub slopes: Vec<Slope>,
 }
 
 /// The effect of a feature on a measure, within levels.
 #[derive(Clone, Debug, Serialize)]
 pub struct Slope {
-    /// The measure's symbol.
+    /// Symbol of the measure.
     pub measure: &'static str,
     /// Change of the measure per unit of the feature, between maps of one level.
     pub within: Option<Interval>,
-    /// The same with the other rules' features held fixed; absent for features that no rule sets.
+    /// The same change with the features of the other rules held fixed; absent for features that no
+    /// rule sets.
     pub others_fixed: Option<Interval>,
-    /// Trend times slope, from the lowest to the highest level: points that the rule adds.
+    /// Product of trend and slope from the lowest to the highest level: the points that the rule adds.
     pub carried: Option<Interval>,
-    /// Whether the rule works against the level beyond the interval.
+    /// Whether the rule works against the level, beyond the interval.
     pub is_to_blame: bool,
-    /// Whether the rule makes maps more difficult with the level beyond the interval.
+    /// Whether the rule makes maps more difficult with the level, beyond the interval.
     pub helps: bool,
 }
 
@@ -123,7 +124,7 @@ pub fn effects(design: &Design, values: &[MapValues]) -> Vec<FeatureEffect> {
     places
         .map(|place| {
             let mut stream = design.seed.stream("experiment/rules", place as u64);
-            // The trend, then slope, slope with others fixed and points carried for D, M and N.
+            // The trend; then slope, slope with others fixed, and points carried for D, M and N.
             let found = bootstrap::<10>(&groups, &mut stream, |drawn| {
                 let feature = features(place, drawn);
                 let mut levels: Vec<f64> =

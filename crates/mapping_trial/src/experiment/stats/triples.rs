@@ -1,4 +1,4 @@
-//! The order of three maps of different levels, as each policy found it.
+//! The order of three maps of different levels, as found by each policy.
 
 use std::collections::BTreeMap;
 
@@ -8,11 +8,11 @@ use super::measure::Measure;
 use crate::experiment::record::Record;
 use crate::policy::PolicyKind;
 
-/// The mean ranks of the easiest, the middle and the hardest of three maps by their levels; 1, 2
-/// and 3 if every policy finds every three in order, 2 for all by chance. Ties share ranks.
+/// The mean ranks of the easiest, the middle and the hardest of three maps by their levels. They are 1,
+/// 2 and 3 if every policy finds every three in order, and all 2 by chance. Ties share ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Relative {
-    /// The measure's symbol.
+    /// Symbol of the measure.
     pub measure: &'static str,
     /// Mean ranks.
     pub ranks: [f64; 3],
@@ -20,8 +20,8 @@ pub struct Relative {
 
 /// Ranks all triples of maps of different levels within each policy.
 ///
-/// A map's rank among three is 1 and one for each of the other two that is easier, so mean ranks
-/// follow from comparisons of pairs: O(n^2) for n maps, not O(n^3).
+/// A map's rank among three is 1, plus 1 for each of the other two that is easier. Mean ranks therefore
+/// follow from comparisons of pairs, which takes O(n^2) time for n maps, not O(n^3).
 pub fn relative(measure: &Measure, records: &[&Record]) -> Relative {
     // Means over noise, by policy, level and map.
     let mut maps: BTreeMap<(PolicyKind, u32, u32), (f64, f64)> = BTreeMap::new();
@@ -50,12 +50,12 @@ pub fn relative(measure: &Measure, records: &[&Record]) -> Relative {
             }
         }
     }
-    // Two levels have no triples.
+    // With two levels there are no triples.
     let ranks = if count > 0.0 { sums.map(|sum| sum / count) } else { [2.0; 3] };
     Relative { measure: measure.symbol, ranks }
 }
 
-/// The share of pairs in which the first is greater; ties count half.
+/// The fraction of pairs in which the first is greater. Ties count half.
 fn share_harder(these: &[f64], those: &[f64]) -> f64 {
     let pairs = these.iter().flat_map(|a| those.iter().map(move |b| (a, b)));
     let wins: f64 = pairs

@@ -1,24 +1,24 @@
-//! Where the variance comes from: level, map, or noise.
+//! The parts of the variance: level, map, and noise.
 
 use serde::Serialize;
 
 use crate::experiment::record::Record;
 use crate::score::Scores;
 
-/// Shares of the variance of a trial, policies averaged; they add up to 1.
+/// Fractions of the variance of a trial, with policies averaged. They add up to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Shares {
-    /// Between levels.
+    /// Variance between levels.
     pub level: f64,
-    /// Between maps of a level; with one noise seed, between maps and noise together.
+    /// Variance between maps of a level; with one noise seed, that of maps and noise together.
     pub map: f64,
-    /// Between noise seeds on a map; absent with one noise seed.
+    /// Variance between noise seeds on a map; absent with one noise seed.
     pub noise: Option<f64>,
 }
 
-/// Components of a nested analysis of variance (maps within levels, noise within maps), estimated
-/// from the mean squares and cut at 0 (Searle and others, Variance Components, 1992,
-/// chapter 3). `None` with one map per level, or if nothing varies.
+/// Returns the components of a nested analysis of variance (maps within levels, noise within maps),
+/// estimated from the mean squares and cut at 0 (Searle and others, Variance Components, 1992, chapter
+/// 3). `None` with one map per level, or if nothing varies.
 pub fn shares(records: &[&Record], of: fn(&Scores) -> f64) -> Option<Shares> {
     // Means over policies, by level, map and noise.
     let of_noise = |trials: &[&Record]| {

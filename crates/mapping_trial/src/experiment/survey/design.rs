@@ -1,4 +1,4 @@
-//! Which trials a survey is made of.
+//! Surveys: the worlds, conditions and trials of which they consist.
 
 use envgen::scenario::ScenarioSpec;
 use envgen::settings::Setting;
@@ -22,9 +22,9 @@ pub const MAX_SURVEY_TRIALS: u64 = 1_000_000;
 /// Greatest number of noise seeds per map and condition.
 const MAX_NOISE_SEEDS: u32 = 1000;
 
-/// Difference of the noise seeds of two worlds with the same seed. No two trials have the same as long as fewer than
-/// 65,536 worlds have one seed, and seeds are below this number divided by [`MAX_NOISE_SEEDS`] times the number of
-/// conditions.
+/// Difference of the noise seeds of two worlds with the same seed. No two trials have the same noise
+/// seed as long as fewer than 65,536 worlds have the same seed, and seeds are below this number divided
+/// by [`MAX_NOISE_SEEDS`] times the number of conditions.
 const BETWEEN_SAME_SEEDS: u64 = 1 << 48;
 
 const NOISE_SEEDS: Setting =
@@ -32,7 +32,7 @@ const NOISE_SEEDS: Setting =
 
 const MAPS: Setting = Setting::integer("maps", 1, MAX_SURVEY_TRIALS, "Worlds of a family");
 
-/// Trials under several conditions in families of worlds.
+/// A survey: trials under several conditions in families of worlds.
 ///
 /// ```
 /// use mapping_trial::experiment::survey::Survey;
@@ -59,9 +59,9 @@ const MAPS: Setting = Setting::integer("maps", 1, MAX_SURVEY_TRIALS, "Worlds of 
 pub struct Survey {
     /// The worlds.
     pub families: Vec<Family>,
-    /// The conditions, each in every world.
+    /// The conditions, each of which is used in every world.
     pub conditions: Vec<Condition>,
-    /// Trials per world and condition, which differ in sensor noise.
+    /// Number of trials per world and condition, which differ in sensor noise.
     #[serde(default = "one")]
     pub noise_seeds: u32,
     /// Which trials of a world have the same sensor noise.
@@ -73,20 +73,21 @@ pub struct Survey {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurveyNoise {
-    /// Those under different conditions: for paired differences of conditions.
+    /// Trials under different conditions share noise, for paired differences of conditions.
     #[default]
     Shared,
-    /// No two, not even of different worlds: for means, in which shared noise would not average out.
+    /// No two trials share noise, not even in different worlds. This is for means, in which shared
+    /// noise would not average out.
     Own,
 }
 
-/// Worlds of one spec with consecutive seeds.
+/// A family of worlds, which have the same spec and consecutive seeds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Family {
-    /// Its name in tables.
+    /// Name of the family in tables.
     pub name: String,
-    /// How its worlds are generated.
+    /// Spec of the worlds.
     pub spec: WorldSpec,
     /// Number of worlds.
     #[serde(default = "one")]
@@ -96,23 +97,23 @@ pub struct Family {
     pub first_seed: Seed,
 }
 
-/// What a trial depends on besides its world and noise. The defaults are those of
+/// A condition: what a trial depends on besides its world and noise. The defaults are those of
 /// [`TrialSettings`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Condition {
-    /// Its name in tables.
+    /// Name of the condition in tables.
     pub name: String,
-    /// The policy that drives, `operator` in files.
+    /// The policy that drives. Its name in files is `operator`.
     #[serde(rename = "operator", alias = "policy")]
     pub policy: PolicyKind,
-    /// The command of a [driver](crate::driver) that drives in place of the policy, in a process of its own for
-    /// each trial.
+    /// Command of a [driver](crate::driver) that drives in place of the policy. Each trial starts a
+    /// process of its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driver: Option<String>,
-    /// How poses and map are estimated.
+    /// The estimator of poses and map.
     pub slam: SlamKind,
-    /// Which systematic errors of the wheels are learned.
+    /// The systematic errors of the wheels that are learned.
     #[serde(skip_serializing_if = "WheelCalibration::is_default")]
     pub wheel_calibration: WheelCalibration,
     /// Name of the laser profile.
@@ -149,11 +150,11 @@ impl Default for Condition {
     }
 }
 
-/// Why a text is not a survey.
+/// An error in a survey or in its text.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SurveyError {
-    /// A syntax error or an unknown field, with line and column.
+    /// A syntax error or an unknown field, with its line and column.
     #[error(transparent)]
     Ron(#[from] Box<ron::error::SpannedError>),
     /// A value that is not allowed.
@@ -164,19 +165,19 @@ pub enum SurveyError {
         /// The field, its value and what is allowed.
         error: SpecError,
     },
-    /// Settings that a kind of world does not have.
+    /// Settings that do not exist for a kind of world.
     #[error(transparent)]
     Settings(#[from] SettingsError),
 }
 
-/// One world of a survey.
+/// A world of a survey.
 #[derive(Clone, Copy, Debug)]
 pub struct SurveyMap<'a> {
-    /// Its number in the survey, from 0.
+    /// Number of the world in the survey, from 0.
     pub number: u32,
-    /// Its family.
+    /// Family of the world.
     pub family: &'a Family,
-    /// Its seed.
+    /// Seed of the world.
     pub seed: Seed,
 }
 
@@ -185,10 +186,11 @@ fn one() -> u32 {
 }
 
 impl Condition {
-    /// The settings of its trials with a seed of sensor noise.
+    /// Returns the settings of its trials for a seed of sensor noise.
     ///
     /// # Errors
-    /// A profile that has no such name, a number that is not allowed, or a driver that names no program.
+    ///
+    /// If a profile does not exist, if a number is not allowed, or if a driver names no program.
     pub fn settings(&self, noise: Seed) -> Result<TrialSettings, SpecError> {
         let settings = TrialSettings {
             seed: noise,
@@ -216,7 +218,8 @@ impl Survey {
     /// Reads a survey from RON, with specs of worlds as in `.envgen.ron` files, and checks it.
     ///
     /// # Errors
-    /// Line and column of a mistake, or the first value that is not allowed.
+    ///
+    /// Returns line and column of a syntax error, or names the first value that is not allowed.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
         let survey: Survey = ron_options().from_str(text).map_err(Box::new)?;
         survey.validate()?;
@@ -226,7 +229,8 @@ impl Survey {
     /// Checks every value.
     ///
     /// # Errors
-    /// The first that is not allowed.
+    ///
+    /// Names the first value that is not allowed.
     pub fn validate(&self) -> Result<(), SurveyError> {
         let whole = || at("survey");
         NOISE_SEEDS.check_integer(u64::from(self.noise_seeds)).map_err(whole())?;
@@ -249,7 +253,7 @@ impl Survey {
         Ok(())
     }
 
-    /// The worlds.
+    /// Returns the worlds of the survey.
     pub fn maps(&self) -> impl Iterator<Item = SurveyMap<'_>> {
         let all = self.families.iter().flat_map(|family| {
             (0..u64::from(family.maps)).map(move |n| (family, family.first_seed.offset(n)))
@@ -257,16 +261,19 @@ impl Survey {
         all.zip(0..).map(|((family, seed), number)| SurveyMap { number, family, seed })
     }
 
-    /// Number of trials.
+    /// Returns the number of trials.
     pub fn trials(&self) -> u64 {
         let maps: u64 = self.families.iter().map(|family| u64::from(family.maps)).sum();
         let per_map = self.conditions.len() as u64 * u64::from(self.noise_seeds);
         maps.saturating_mul(per_map)
     }
 
-    /// The seed of the sensor noise of a trial by the numbers of its condition and of its noise seed. It depends on the seed
-    /// of the world, and for noise of its own on the number of conditions and of earlier families with a world of this
-    /// seed; not on other families.
+    /// Returns the seed of the sensor noise of a trial, given the numbers of its condition and of its
+    /// noise seed.
+    ///
+    /// It depends on the seed of the world. If trials share no noise, it also depends on the number of
+    /// conditions and on the number of earlier families with a world of this seed, but not on other
+    /// families.
     pub fn noise_seed(&self, map: &SurveyMap<'_>, condition: u32, noise: u32) -> Seed {
         let (per_seed, own) = match self.noise {
             SurveyNoise::Shared => (1, 0),
@@ -283,7 +290,7 @@ impl Survey {
 }
 
 impl Family {
-    /// Whether one of its worlds has a seed.
+    /// Whether one of its worlds has this seed.
     fn has_seed(&self, seed: Seed) -> bool {
         let number = seed.0.checked_sub(self.first_seed.0);
         number.is_some_and(|number| number < u64::from(self.maps))
@@ -296,17 +303,18 @@ impl SurveyNoise {
     }
 }
 
-/// How surveys and panels are written: specs as in `.envgen.ron` files.
+/// The options for RON in surveys and panels, with specs as in `.envgen.ron` files.
 pub(crate) fn ron_options() -> ron::Options {
     ron::Options::default()
         .with_default_extension(Extensions::UNWRAP_VARIANT_NEWTYPES)
         .with_default_extension(Extensions::IMPLICIT_SOME)
 }
 
-/// Checks conditions, of which no two may have one name.
+/// Checks conditions, no two of which may have the same name.
 ///
 /// # Errors
-/// The first value that is not allowed.
+///
+/// Names the first value that is not allowed.
 pub(crate) fn check_conditions(conditions: &[Condition]) -> Result<(), SurveyError> {
     names("conditions", conditions.iter().map(|one| &one.name)).map_err(at("survey"))?;
     for condition in conditions {
@@ -315,7 +323,7 @@ pub(crate) fn check_conditions(conditions: &[Condition]) -> Result<(), SurveyErr
     Ok(())
 }
 
-/// The error of a value at a place.
+/// Returns an error of a value at a place.
 fn at(place: &str) -> impl FnOnce(SpecError) -> SurveyError + use<> {
     let place = place.to_owned();
     move |error| SurveyError::Value { place, error }

@@ -1,4 +1,4 @@
-//! The folder of a survey, and its trials in parallel.
+//! The folder of a survey, and running its trials in parallel.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
@@ -18,20 +18,21 @@ use crate::experiment::head;
 use crate::experiment::lines::{self, Lines, line};
 use crate::trial::LogWorld;
 
-/// Version of the folders' layout; a folder of another version is refused.
+/// Version of the layout of folders. A folder of another version is rejected.
 pub const SURVEY_VERSION: u32 = 2;
 
 /// The file that describes what a folder holds.
 const HEAD: head::Kind =
     head::Kind { file: head::SURVEY, what: "a survey", version: SURVEY_VERSION };
 
-/// What a folder holds.
+/// The content of a folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Head {
     version: u32,
     shard: Shard,
-    /// Number of kinds of worlds that take turns, of which each share gets all; 1 for the whole.
+    /// Number of kinds of worlds that take turns, each of which is in every share; 1 for the whole
+    /// survey.
     #[serde(default = "one", skip_serializing_if = "is_one")]
     kinds: usize,
     survey: Survey,
@@ -45,10 +46,10 @@ fn is_one(count: &usize) -> bool {
     *count == one()
 }
 
-/// Number of the world, of the condition and of the noise seed.
+/// Numbers of the world, of the condition and of the noise seed.
 type Key = (u32, u32, u32);
 
-/// A survey in its folder: finished trials are kept, whatever happens to the program.
+/// A survey in its folder, which keeps finished trials, whatever happens to the program.
 #[derive(Debug)]
 pub struct SurveyFolder {
     head: Head,
@@ -59,7 +60,7 @@ pub struct SurveyFolder {
 /// The progress of a survey.
 #[derive(Clone, Copy, Debug)]
 pub struct SurveyProgress<'a> {
-    /// Number of finished trials, with those of earlier runs.
+    /// Number of finished trials, including those of earlier runs.
     pub done: u64,
     /// Number of trials of this share.
     pub all: u64,
@@ -74,18 +75,19 @@ struct Sink<'a> {
 }
 
 impl SurveyFolder {
-    /// Begins a survey in a folder, or continues it. A share has the worlds whose numbers belong to
-    /// it. An unfinished last line is dropped.
+    /// Begins a survey in a folder, or continues it. A share has the worlds whose numbers belong to it.
+    /// An incomplete last line is dropped.
     ///
     /// # Errors
     ///
-    /// A survey that is not allowed; a folder that cannot be written, holds another survey, is
-    /// in use, or holds trials that now give other results.
+    /// If the survey is not allowed, or if the folder cannot be written, holds another survey, is in
+    /// use, or holds trials that now give other results.
     pub fn open(folder: &Path, survey: &Survey, shard: Shard) -> Result<Self, ExperimentError> {
         SurveyFolder::open_of_kinds(folder, survey, shard, one())
     }
 
-    /// The same of a survey in which worlds of several kinds take turns: a share gets worlds of each.
+    /// Does the same as [`SurveyFolder::open`] for a survey in which worlds of several kinds take
+    /// turns: a share gets worlds of each kind.
     pub(crate) fn open_of_kinds(
         folder: &Path,
         survey: &Survey,
@@ -103,29 +105,30 @@ impl SurveyFolder {
         Ok(folder)
     }
 
-    /// The survey of which a folder holds a share. It only reads.
+    /// Returns the survey of which a folder holds a share. It only reads.
     ///
     /// # Errors
     ///
-    /// A folder that holds none.
+    /// If the folder holds no survey.
     pub fn survey_of(folder: &Path) -> Result<Survey, ExperimentError> {
         Ok(Head::of_share(folder)?.survey)
     }
 
-    /// The share of a survey that a folder holds. It only reads.
+    /// Returns the share of a survey that a folder holds. It only reads.
     ///
     /// # Errors
-    /// A folder that holds none.
+    ///
+    /// If the folder holds no survey.
     pub fn shard_of(folder: &Path) -> Result<Shard, ExperimentError> {
         Ok(Head::of_share(folder)?.shard)
     }
 
-    /// Joins the shares of a survey in a folder of its own. Shares may overlap.
+    /// Merges the shares of a survey into a folder of its own. Shares may overlap.
     ///
     /// # Errors
     ///
-    /// Shares of different surveys, trials that differ, trials that are missing: then nothing is written. A folder
-    /// that cannot be written or holds another survey.
+    /// If shares have different surveys, if trials differ or are missing (nothing is written then), or
+    /// if the folder cannot be written or holds another survey.
     pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Self, ExperimentError> {
         let Some(first) = parts.first() else {
             let reason = "no folders to merge".to_owned();
@@ -134,8 +137,8 @@ impl SurveyFolder {
         SurveyFolder::merge_of(&SurveyFolder::survey_of(first)?, folder, parts)
     }
 
-    /// The same of a survey that is known. Of families of which a share has no world it may say something else: what
-    /// these are may not be known before the others have run.
+    /// Does the same as [`SurveyFolder::merge`] for a known survey. A share may differ in families of
+    /// which it has no world, since these may not be known before the others have run.
     pub(crate) fn merge_of(
         survey: &Survey,
         folder: &Path,
@@ -187,14 +190,14 @@ impl SurveyFolder {
         self.lines.replace(&text)
     }
 
-    /// Runs the trials that are still to do on `threads` threads, 0 for one per core. `watch` is
-    /// called after every finished trial and can stop the survey, which a later call continues. True
-    /// if all trials are finished; the file of the trials is then sorted.
+    /// Runs the remaining trials on `threads` threads, 0 for one per core. `watch` is called after
+    /// every finished trial and can stop the survey, which a later call continues. Returns true if all
+    /// trials are finished; the file of trials is then sorted.
     ///
     /// # Errors
     ///
-    /// A file cannot be written, or a driver fails. Finished trials stay. A world in which no trial can run
-    /// is a record with its failure.
+    /// If a file cannot be written, or if a driver fails. Finished trials stay. A world in which no
+    /// trial can run is recorded with its failure.
     pub fn run(
         &mut self,
         threads: usize,
@@ -241,33 +244,33 @@ impl SurveyFolder {
         Ok(true)
     }
 
-    /// The survey.
+    /// Returns the survey.
     pub fn survey(&self) -> &Survey {
         &self.head.survey
     }
 
-    /// The finished trials: by world, condition and noise.
+    /// Returns the finished trials, by world, condition and noise.
     pub fn records(&self) -> impl ExactSizeIterator<Item = &Record> {
         self.records.values()
     }
 
-    /// Whether all trials of this share are finished.
+    /// Returns whether all trials of this share are finished.
     pub fn is_complete(&self) -> bool {
         self.records.len() as u64 == self.head.all()
     }
 
-    /// The file of the trials, one per line.
+    /// Returns the path of the file of trials, with one per line.
     pub fn file(&self) -> &Path {
         &self.lines.path
     }
 
-    /// Number of trials of this share.
+    /// Returns the number of trials of this share.
     pub fn trials(&self) -> u64 {
         self.head.all()
     }
 
-    /// Runs the first finished trial under each condition and the last one again: another program may differ under one
-    /// condition alone.
+    /// Runs the first finished trial under each condition and the last one again, since another version
+    /// of the program may differ under one condition alone.
     fn check_code(&self) -> Result<(), ExperimentError> {
         let firsts: BTreeMap<u32, &Record> =
             self.records.values().rev().map(|known| (known.condition, known)).collect();
@@ -293,7 +296,7 @@ impl SurveyFolder {
     }
 }
 
-/// The world of a survey, or why it cannot be generated.
+/// Generates a world of a survey, or returns why it cannot be generated.
 fn place(map: &SurveyMap<'_>) -> Result<Site, Failure> {
     let blueprint = map.family.spec.generate(map.seed).map_err(Failure::world)?;
     let world = blueprint.to_world();
@@ -301,7 +304,7 @@ fn place(map: &SurveyMap<'_>) -> Result<Site, Failure> {
     Ok(Site::new(world, source))
 }
 
-/// Runs a trial of a survey. That a driver fails says nothing of the world: it is no result.
+/// Runs a trial of a survey. A failure of a driver is no result, since it says nothing about the world.
 fn record(
     survey: &Survey,
     map: &SurveyMap<'_>,
@@ -327,7 +330,7 @@ fn record(
     }
 }
 
-/// Reads whole lines, each a trial of this share that was not there before.
+/// Reads complete lines, each of which must be a trial of this share that has not occurred before.
 fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<Key, Record>, ExperimentError> {
     let survey = &head.survey;
     let own = survey.maps().filter(|map| head.has(map.number));
@@ -357,7 +360,7 @@ fn parse(text: &str, head: &Head, path: &Path) -> Result<BTreeMap<Key, Record>, 
 }
 
 impl Head {
-    /// What the folder of a share holds.
+    /// Reads the head of a share's folder.
     fn of_share(folder: &Path) -> Result<Self, ExperimentError> {
         let path = folder.join(HEAD.file);
         let content = |reason: String| ExperimentError::Content { path: path.clone(), reason };
@@ -369,7 +372,7 @@ impl Head {
         Ok(head)
     }
 
-    /// Its survey, with the families of another survey where no world is of this share.
+    /// Returns its survey, with the families of another survey where no world belongs to this share.
     fn with_others_of(&self, other: &Survey) -> Survey {
         let mut survey = self.survey.clone();
         let mut next = 0;
@@ -383,7 +386,7 @@ impl Head {
         survey
     }
 
-    /// Whether the world of a number is of this share.
+    /// Whether the world with a number belongs to this share.
     fn has(&self, number: u32) -> bool {
         self.shard.has_of(number as usize, self.kinds)
     }
@@ -397,7 +400,7 @@ impl Head {
 }
 
 impl Survey {
-    /// What errors call a trial.
+    /// The name of a trial in errors.
     fn trial(&self, (number, condition, noise): Key) -> String {
         let family = self.maps().nth(number as usize).map_or("", |map| &map.family.name);
         let condition = self.conditions.get(condition as usize).map_or("", |one| &one.name);
@@ -417,7 +420,7 @@ impl Sink<'_> {
         all: u64,
         watch: &(dyn Fn(SurveyProgress<'_>) -> ControlFlow<()> + Sync),
     ) -> ControlFlow<()> {
-        // After an error nothing more is written: a half line must stay the last one.
+        // After an error nothing more is written, so that an incomplete line stays the last one.
         if self.error.is_some() {
             return ControlFlow::Break(());
         }

@@ -1,16 +1,16 @@
-//! Surveys: trials under several conditions in many worlds of any kind, kept in a folder that
-//! survives interrupts, and a summary of them.
+//! Surveys: trials under several conditions in many worlds of any kind, kept in a folder that survives
+//! interrupts, with a summary.
 //!
-//! | what | where |
+//! | Task | Items |
 //! |---|---|
-//! | which worlds and conditions | [`Survey`], [`Family`], [`Condition`] |
-//! | the result of one trial | [`Record`] |
-//! | a folder of records | [`SurveyFolder`] |
-//! | how trials ended, and which part of the variance belongs to the worlds | [`summary`] |
+//! | The worlds and conditions | [`Survey`], [`Family`], [`Condition`] |
+//! | The result of a trial | [`Record`] |
+//! | A folder of records | [`SurveyFolder`] |
+//! | How trials ended, and how much of the variance is due to the worlds | [`summary`] |
 //!
-//! The [`Design`](super::Design) of an experiment asks about the levels of one generator; a survey compares
-//! worlds of any kind under any conditions. Its records are the same to the last byte whatever the
-//! number of threads and however often it was interrupted.
+//! The [`Design`](super::Design) of an experiment is for the levels of one generator; a survey compares
+//! worlds of any kind under any conditions. Its records are the same to the last byte, whatever the
+//! number of threads, and however often it was interrupted.
 
 mod design;
 mod folder;

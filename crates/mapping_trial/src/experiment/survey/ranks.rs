@@ -1,4 +1,4 @@
-//! How the order of a survey's worlds differs between score 1 and score 2, the default.
+//! How the order of a survey's worlds differs between score 1 and score 2, which is the default.
 
 use envgen::Seed;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use crate::score::{Scores, kendall_tau};
 
 type Measured = fn(&Scores) -> f64;
 
-/// D, M and N of score 1 and of score 2.
+/// D, M and N, each by score 1 and by score 2.
 const PAIRS: [[Measured; 2]; 3] = [
     [|s| s.score_1.difficulty, |s| s.difficulty],
     [|s| s.score_1.mapping, |s| s.mapping],
@@ -22,47 +22,48 @@ const PAIRS: [[Measured; 2]; 3] = [
 pub struct Ranks {
     /// Number of worlds.
     pub worlds: usize,
-    /// Kendall's tau-b between the orders by score 1 and by score 2: for D, M and N; absent if all
-    /// values of one are equal.
+    /// Kendall's tau-b between the orders by score 1 and by score 2, for D, M and N; absent if all
+    /// values of one of them are equal.
     pub tau: [Option<f64>; 3],
-    /// For each family.
+    /// Ranks of each family.
     pub families: Vec<FamilyRanks>,
-    /// For each world.
+    /// Ranks of each world.
     pub each: Vec<WorldRanks>,
 }
 
-/// The mean ranks of a family's worlds among all, 1 being the easiest.
+/// The mean ranks of a family's worlds among all worlds, where 1 is the easiest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FamilyRanks {
     /// Name of the family.
     pub family: String,
-    /// By D of score 1 and of score 2.
+    /// Ranks by D of score 1 and of score 2.
     pub difficulty: [f64; 2],
-    /// By M.
+    /// Ranks by M, likewise.
     pub mapping: [f64; 2],
-    /// By N.
+    /// Ranks by N, likewise.
     pub navigation: [f64; 2],
 }
 
-/// The ranks of a world among all, 1 being the easiest.
+/// The ranks of a world among all worlds, where 1 is the easiest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WorldRanks {
     /// Name of its family.
     pub family: String,
     /// Its seed.
     pub world_seed: Seed,
-    /// By D of score 1 and of score 2.
+    /// Ranks by D of score 1 and of score 2.
     pub difficulty: [f64; 2],
-    /// By M.
+    /// Ranks by M, likewise.
     pub mapping: [f64; 2],
-    /// By N.
+    /// Ranks by N, likewise.
     pub navigation: [f64; 2],
 }
 
 impl Ranks {
-    /// The ranks of every world as CSV (RFC 4180).
+    /// Returns the ranks of every world as CSV (RFC 4180).
     ///
     /// # Errors
+    ///
     /// [`ExperimentError::Report`] if the rows cannot be written.
     pub fn csv(&self) -> Result<Vec<u8>, ExperimentError> {
         let failed = |error: csv::Error| ExperimentError::Report(error.to_string());
@@ -82,7 +83,8 @@ impl Ranks {
 const CSV_HEAD: [&str; 8] =
     ["family", "world_seed", "rank_D1", "rank_D", "rank_M1", "rank_M", "rank_N1", "rank_N"];
 
-/// Ranks worlds, each given by the number of its family and all its trials; `None` for fewer than two.
+/// Ranks worlds, each given by the number of its family and all its trials; `None` for fewer than two
+/// worlds.
 pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ranks> {
     if worlds.len() < 2 {
         return None;

@@ -1,4 +1,4 @@
-//! The result of a trial, as a line of a file.
+//! The result of a trial of a survey, which is a line of a file.
 
 use envgen::Seed;
 use serde::{Deserialize, Serialize};
@@ -20,11 +20,11 @@ pub struct Record {
     pub world_seed: Seed,
     /// Seed of the sensor noise.
     pub noise_seed: Seed,
-    /// Digest of the trial's log; empty without a trial.
+    /// Digest of the trial's log; empty if there was no trial.
     pub log_digest: String,
-    /// Why it ended.
+    /// Why the trial ended.
     pub end: Option<EndReason>,
-    /// Distance in metres of the last estimated position from the true one.
+    /// Distance in metres between the last estimated position and the true one.
     pub pose_error: f64,
     /// The scores; absent if the world could not be generated, or no trial could run in it.
     pub scores: Option<Scores>,

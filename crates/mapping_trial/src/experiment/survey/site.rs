@@ -1,4 +1,4 @@
-//! A world with what the trials in it share.
+//! A world, with the data that its trials share.
 
 use std::fmt::Display;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,7 +13,7 @@ use crate::robot::Robot;
 use crate::score::{Reference, Scores};
 use crate::trial::{EndReason, LogWorld, Trial, TrialBuilder};
 
-/// A world, and for each robot that drives in it the indexed world and the reference.
+/// A world, with its index and its reference for each robot that drives in it.
 pub(crate) struct Site {
     world: World,
     source: LogWorld,
@@ -24,7 +24,7 @@ pub(crate) struct Site {
 pub(crate) struct Outcome {
     pub(crate) log_digest: String,
     pub(crate) end: Option<EndReason>,
-    /// Distance in metres of the last estimated position from the true one.
+    /// Distance in metres between the last estimated position and the true one.
     pub(crate) pose_error: f64,
     pub(crate) scores: Scores,
 }
@@ -34,7 +34,7 @@ pub(crate) struct Outcome {
 pub(crate) enum Failure {
     /// No trial can run in the world.
     World(String),
-    /// The driver failed, which says nothing of the world.
+    /// The driver failed, which says nothing about the world.
     Driver(String),
 }
 
@@ -59,7 +59,7 @@ impl Site {
         Site { world, source, robots: Mutex::default() }
     }
 
-    /// Runs a trial under a condition to its end, or says why it cannot run.
+    /// Runs a trial under a condition to its end, or returns why it cannot run.
     pub(crate) fn run(&self, condition: &Condition, noise: Seed) -> Result<Outcome, Failure> {
         let settings = condition.settings(noise).map_err(Failure::world)?;
         let Indexed { flat, reference } = self.indexed(&settings.body).map_err(Failure::World)?;
@@ -95,7 +95,7 @@ impl Site {
         })
     }
 
-    /// The world for a robot; other threads wait while the first indexes it.
+    /// Returns the world for a robot. While the first thread indexes it, other threads wait.
     fn indexed(&self, robot: &Robot) -> Result<Indexed, String> {
         let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, known)) = robots.iter().find(|(known, _)| known == robot) {
@@ -112,8 +112,8 @@ impl Site {
     }
 }
 
-/// Starts the driver of a trial, up to its answer to the hello. What it writes to its standard error stays unread but
-/// for the last line of one that fails: many run at once.
+/// Starts the driver of a trial, up to its answer to the hello. Its standard error is discarded, except
+/// for the last line of a driver that fails, since many run at once.
 fn start(line: &str, builder: &mut TrialBuilder<'_>) -> Result<Driver, Failure> {
     let hello = Hello::new(&builder.setup().map_err(Failure::world)?);
     let command = command(line).map_err(Failure::driver)?;

@@ -1,4 +1,4 @@
-//! What a survey found: how trials ended, and which part of the variance belongs to the worlds.
+//! The summary of a survey: how trials ended, and how much of the variance is due to the worlds.
 
 use std::collections::BTreeMap;
 
@@ -18,16 +18,16 @@ const EXPLORED: f64 = 0.95;
 /// Trajectory error in metres above which a robot counts as lost.
 const LOST: f64 = 2.0;
 
-/// All that a survey found.
+/// All results of a survey.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// For each family and condition.
+    /// Results of each family and condition.
     pub groups: Vec<Group>,
-    /// For each measure, over the worlds where all trials have scores; empty for a survey that is
-    /// not complete, or has no repeated trials.
+    /// Variance components of each measure, over the worlds whose trials all have scores; empty if the
+    /// survey is not complete or has no repeated trials.
     pub measures: Vec<MeasureComponents>,
-    /// The worlds' order by score 1 and by score 2, over the worlds where all trials have scores; absent
-    /// for fewer than two.
+    /// The order of the worlds by score 1 and by score 2, over the worlds whose trials all have scores;
+    /// absent for fewer than two.
     pub ranks: Option<Ranks>,
     /// The trials in which something went wrong.
     pub faults: Vec<Fault>,
@@ -46,11 +46,11 @@ pub struct Group {
     pub ends: BTreeMap<EndReason, usize>,
     /// Number of trials without scores.
     pub failures: usize,
-    /// Means over the trials with scores; `None` without any.
+    /// Means over the trials with scores; `None` if there are none.
     pub mean: Option<Means>,
-    /// Median of the trajectory error in metres; `None` without any.
+    /// Median of the trajectory error in metres; `None` if there are no scores.
     pub median_error: Option<f64>,
-    /// 90 % quantile of the trajectory error in metres; `None` without any.
+    /// 90 % quantile of the trajectory error in metres; `None` if there are no scores.
     pub high_error: Option<f64>,
 }
 
@@ -65,30 +65,31 @@ pub struct Means {
     pub navigation: f64,
     /// D, M and N by score 1.
     pub score_1: [f64; 3],
-    /// C.
+    /// C, the coverage.
     pub coverage: f64,
     /// Simulated time in seconds.
     pub time: f64,
 }
 
-/// What went wrong in a trial.
+/// A kind of fault in a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {
     /// No trial could run.
     Failed,
-    /// It ended as explored with a coverage below 0.95, and was not lost: the trajectory error is at most 2 m.
+    /// The trial ended as explored with a coverage below 0.95, although the robot was not lost: the
+    /// trajectory error is at most 2 m.
     ExploredTooEarly,
-    /// It ended as stuck, and was not lost.
+    /// The trial ended as stuck, although the robot was not lost.
     StuckWithGoodPose,
-    /// The trajectory error is above 2 m.
+    /// The robot was lost: the trajectory error is above 2 m.
     Lost,
 }
 
-/// A trial in which something went wrong.
+/// A trial with a fault.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
-    /// What.
+    /// Kind of the fault.
     pub kind: FaultKind,
     /// Name of the family.
     pub family: String,
@@ -101,7 +102,8 @@ pub struct Fault {
 /// Summarises the finished trials of a survey, which are sorted by world, condition and noise.
 ///
 /// # Panics
-/// If a trial is not one of the survey's.
+///
+/// If a trial does not belong to the survey.
 #[track_caller]
 pub fn summarise(survey: &Survey, records: &[&Record]) -> Summary {
     let mut families = Vec::new();
@@ -139,7 +141,7 @@ pub fn summarise(survey: &Survey, records: &[&Record]) -> Summary {
     Summary { groups, measures: measures(survey, &worlds), ranks, faults }
 }
 
-/// What went wrong in a trial, if anything did.
+/// Returns the fault of a trial, if it has one.
 pub fn fault(record: &Record) -> Option<FaultKind> {
     let Some(scores) = &record.scores else { return Some(FaultKind::Failed) };
     if scores.trajectory_error > LOST {
@@ -200,9 +202,9 @@ const FACETS: [Facet; 4] = [
     ("SLAM", |one| format!("{:?}", one.slam)),
 ];
 
-/// The factors of the conditions with the number of their levels, and the number of the condition
-/// for each combination. If the conditions are not all combinations of policy, laser, odometry and
-/// SLAM, or differ in anything else, they are the levels of one factor.
+/// Returns the factors of the conditions with the number of their levels, and the number of the
+/// condition for each combination. If the conditions are not all combinations of policy, laser,
+/// odometry and SLAM, or if they differ in anything else, they are the levels of one factor.
 fn factors(conditions: &[Condition]) -> (Vec<(&'static str, usize)>, Vec<usize>) {
     let single = || (vec![("condition", conditions.len())], (0..conditions.len()).collect());
     let mut facets = Vec::new();
@@ -240,7 +242,7 @@ fn factors(conditions: &[Condition]) -> (Vec<(&'static str, usize)>, Vec<usize>)
     (facets.into_iter().map(|(name, _, levels)| (name, levels.len())).collect(), order)
 }
 
-/// The trials of each world where all have scores.
+/// The trials of each world whose trials all have scores.
 fn complete<'a, 'b>(survey: &Survey, records: &'a [&'b Record]) -> Vec<&'a [&'b Record]> {
     let per_map = survey.conditions.len() * survey.noise_seeds as usize;
     let whole =
