@@ -1,23 +1,24 @@
-//! The encoding of messages in ROS 2: plain CDR (XCDR version 1, OMG DDS-XTypes 1.3, section 7.4.1), little-endian.
+//! CDR, the encoding of messages in ROS 2: plain CDR (XCDR version 1, OMG DDS-XTypes 1.3, section
+//! 7.4.1), little-endian.
 
 /// The encapsulation header: little-endian plain CDR, no options.
 const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// Writes the fields of one message after the other. Every number is aligned to its size, counted from the end of
-/// the header.
+/// Writes the fields of one message one after the other. Every number is aligned to its size, counted
+/// from the end of the header.
 #[derive(Debug, Default)]
 pub(super) struct CdrWriter {
     bytes: Vec<u8>,
 }
 
 impl CdrWriter {
-    /// Begins a message; the bytes of the last one are dropped, their memory is used again.
+    /// Begins a message. The bytes of the last one are dropped, and their memory is reused.
     pub(super) fn begin(&mut self) {
         self.bytes.clear();
         self.bytes.extend_from_slice(&HEADER);
     }
 
-    /// The message so far.
+    /// Returns the message so far.
     pub(super) fn bytes(&self) -> &[u8] {
         &self.bytes
     }
@@ -27,43 +28,43 @@ impl CdrWriter {
         self.bytes.resize(HEADER.len() + len.next_multiple_of(size), 0);
     }
 
-    /// An `int32`.
+    /// Writes an `int32`.
     pub(super) fn i32(&mut self, value: i32) {
         self.align(4);
         self.bytes.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// A `uint32`.
+    /// Writes a `uint32`.
     pub(super) fn u32(&mut self, value: u32) {
         self.align(4);
         self.bytes.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// A `float32`.
+    /// Writes a `float32`.
     pub(super) fn f32(&mut self, value: f32) {
         self.align(4);
         self.bytes.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// A `float64`.
+    /// Writes a `float64`.
     pub(super) fn f64(&mut self, value: f64) {
         self.align(8);
         self.bytes.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// A `string`: its length with the NUL at its end, and both. No string here is near 4 GB.
+    /// Writes a `string`: its length with the final NUL, and both. No string here is near 4 GB.
     pub(super) fn string(&mut self, text: &str) {
         self.sequence(text.len() + 1);
         self.bytes.extend_from_slice(text.as_bytes());
         self.bytes.push(0);
     }
 
-    /// The number of elements of a sequence, before them.
+    /// Writes the number of elements of a sequence, which precedes them.
     pub(super) fn sequence(&mut self, len: usize) {
         self.u32(u32::try_from(len).unwrap_or(u32::MAX));
     }
 
-    /// The elements of an `int8[]`.
+    /// Writes the elements of an `int8[]`.
     pub(super) fn i8s(&mut self, values: impl Iterator<Item = i8>) {
         self.bytes.extend(values.map(i8::cast_unsigned));
     }

@@ -1,4 +1,4 @@
-//! Why a trial has no bag.
+//! Errors of bags.
 
 use std::io;
 
@@ -6,11 +6,11 @@ use envgen::file::FileError;
 use envgen::occupancy::OccupancyError;
 use thiserror::Error;
 
-/// Why a trial has no bag.
+/// An error for which a trial has no bag.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum BagError {
-    /// It could not be written.
+    /// The bag could not be written.
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The map is too large for a message.

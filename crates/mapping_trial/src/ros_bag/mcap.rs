@@ -1,15 +1,16 @@
-//! The container: MCAP, <https://mcap.dev/spec>, with chunks that are compressed by LZ4, indexed, and a summary.
+//! The container format MCAP, <https://mcap.dev/spec>, with LZ4-compressed and indexed chunks, and a
+//! summary.
 //!
-//! The crate `mcap` compresses by LZ4 with the C library only and accepts no chunks that are compressed already; this
-//! writer needs Rust alone. `tests/outside` has other programs read what it writes.
+//! The crate `mcap` compresses by LZ4 only with the C library, and does not accept chunks that are
+//! already compressed. This writer only needs Rust. `tests/outside` has other programs read its output.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// The bytes that a file begins and ends with.
+/// The bytes with which a file begins and ends.
 const MAGIC: [u8; 8] = [0x89, b'M', b'C', b'A', b'P', 0x30, b'\r', b'\n'];
 
-/// The least bytes of messages in a chunk, but for the last one.
+/// Least number of bytes of messages in a chunk, except for the last one.
 const CHUNK: usize = 1 << 20;
 
 /// Name of the compression in chunks.
@@ -43,13 +44,13 @@ pub(super) struct SchemaId(u16);
 pub(super) struct ChannelId(u16);
 
 impl ChannelId {
-    /// Its place among all channels.
+    /// Its index among all channels.
     pub(super) fn index(self) -> usize {
         usize::from(self.0)
     }
 }
 
-/// A file in an MCAP.
+/// A file that is attached to an MCAP.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Attachment<'a> {
     pub(super) name: &'a str,
@@ -57,7 +58,7 @@ pub(super) struct Attachment<'a> {
     pub(super) data: &'a [u8],
 }
 
-/// Number of messages, of each channel, and the times in nanoseconds of the first and last.
+/// Number of messages in all and per channel, and the times of the first and the last in nanoseconds.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Totals {
     pub(super) channels: Vec<u64>,
@@ -94,14 +95,14 @@ impl Fields {
         self.bytes(text.as_bytes())
     }
 
-    /// Bytes after their number.
+    /// Appends bytes after their number.
     fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
         self.u32(bytes.len() as u32);
         self.0.extend_from_slice(bytes);
         self
     }
 
-    /// A map from channels.
+    /// Appends a map from channels.
     fn by_channel(&mut self, values: impl Iterator<Item = (u16, u64)>) -> &mut Self {
         let mut entries = Fields::default();
         for (channel, value) in values {
@@ -111,7 +112,7 @@ impl Fields {
     }
 }
 
-/// Counts and sums up what is written.
+/// A writer that counts bytes and computes their checksum.
 struct Counter<W> {
     out: W,
     offset: u64,
@@ -132,7 +133,7 @@ impl<W: Write> Counter<W> {
         self.put(&fields.0)
     }
 
-    /// Writes what a record begins with: its kind and its length.
+    /// Writes the beginning of a record: its kind and its length.
     fn begin(&mut self, op: Op, len: u64) -> io::Result<()> {
         let mut start = [op as u8; 9];
         start[1..].copy_from_slice(&len.to_le_bytes());
@@ -145,10 +146,10 @@ pub(super) struct McapWriter<W> {
     out: Counter<W>,
     schemas: Vec<Fields>,
     channels: Vec<Fields>,
-    /// The records of the chunk that is not written yet.
+    /// The records of the current chunk, which is not written yet.
     chunk: Vec<u8>,
     chunk_times: (u64, u64),
-    /// Time and offset of each of its messages.
+    /// Time and offset of each message of the chunk.
     chunk_messages: BTreeMap<ChannelId, Vec<(u64, u64)>>,
     chunk_indexes: Vec<Fields>,
     attachment_indexes: Vec<Fields>,
@@ -214,7 +215,7 @@ impl<W: Write> McapWriter<W> {
     /// Adds a message at a time in nanoseconds.
     pub(super) fn message(&mut self, channel: ChannelId, time: u64, data: &[u8]) -> io::Result<()> {
         let count = &mut self.totals.channels[channel.index()];
-        // Messages of a channel are numbered; no trial has more than a number holds.
+        // Messages of a channel are numbered. No trial has more than the number can hold.
         let sequence = *count as u32;
         *count += 1;
         let (first, last) = self.totals.times.unwrap_or((time, time));
@@ -231,7 +232,7 @@ impl<W: Write> McapWriter<W> {
         if self.chunk.len() >= CHUNK { self.end_chunk() } else { Ok(()) }
     }
 
-    /// Writes the chunk so far, and the indexes of its messages.
+    /// Writes the current chunk and the indexes of its messages.
     fn end_chunk(&mut self) -> io::Result<()> {
         if self.chunk.is_empty() {
             return Ok(());
@@ -271,7 +272,8 @@ impl<W: Write> McapWriter<W> {
     /// Adds a file at a time in nanoseconds, after the messages so far.
     pub(super) fn attach(&mut self, time: u64, file: Attachment<'_>) -> io::Result<()> {
         self.end_chunk()?;
-        // When the file was made is not stated, as zero says: the same trial gives the same bytes.
+        // The creation time of the file is 0, which means unknown, so that the same trial gives the
+        // same bytes.
         let mut fields = Fields::default();
         fields.u64(time).u64(0).text(file.name).text(file.media_type);
         fields.u64(file.data.len() as u64);
@@ -336,18 +338,18 @@ impl<W: Write> McapWriter<W> {
     }
 }
 
-/// The beginning of a frame of LZ4 (<https://github.com/lz4/lz4/blob/dev/doc/lz4_Frame_format.md>): its magic number,
-/// version 1 with independent blocks of at most 4 MiB and no checksums, since chunks have their own, and the checksum
-/// of that.
+/// The beginning of an LZ4 frame (<https://github.com/lz4/lz4/blob/dev/doc/lz4_Frame_format.md>): its
+/// magic number, version 1 with independent blocks of at most 4 MiB and no checksums, since chunks have
+/// their own, and the checksum of this header.
 const LZ4_FRAME: [u8; 7] = [0x04, 0x22, 0x4d, 0x18, 0x60, 0x70, 0x73];
 
-/// The most bytes of a block in such a frame.
+/// Greatest number of bytes of a block in such a frame.
 const LZ4_BLOCK: usize = 4 << 20;
 
-/// Marks a block that is not compressed, since that would make it longer.
+/// Marks a block that is not compressed, since compression would make it longer.
 const LZ4_PLAIN: u32 = 1 << 31;
 
-/// A frame of LZ4.
+/// Returns bytes as an LZ4 frame.
 fn compressed(bytes: &[u8]) -> Vec<u8> {
     let mut frame = LZ4_FRAME.to_vec();
     for block in bytes.chunks(LZ4_BLOCK) {

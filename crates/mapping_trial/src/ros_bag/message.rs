@@ -1,4 +1,4 @@
-//! The messages of a bag, field by field as their definitions in [`super::schema`] name them.
+//! The messages of a bag, field by field in the order of their definitions in [`super::schema`].
 
 use envgen::geometry::Pose;
 use glam::DVec2;
@@ -8,7 +8,7 @@ use crate::backend::TICK;
 use crate::lidar::{LaserProfile, NO_ECHO};
 use crate::odometry::Increment;
 
-/// Ranges in metres below this are too close to be measured, as `range_min` of scans says.
+/// Range in metres below which echoes are too close to be measured: `range_min` of scans.
 pub(super) const RANGE_MIN: f64 = 0.01;
 
 /// Time and frame of a message.
@@ -20,7 +20,7 @@ pub(super) struct Header<'a> {
     pub(super) frame: &'a str,
 }
 
-/// A pose of one frame in another, and how high it is above it in metres.
+/// A pose of one frame in another, and its height above it in metres.
 #[derive(Clone, Copy)]
 pub(super) struct Transform<'a> {
     pub(super) header: Header<'a>,
@@ -29,7 +29,7 @@ pub(super) struct Transform<'a> {
     pub(super) height: f64,
 }
 
-/// A map as ROS knows it: 0 free, 100 occupied, -1 unknown, row by row from the lowest.
+/// A map in the form of ROS: 0 free, 100 occupied, -1 unknown, row by row from the lowest.
 pub(super) struct Grid<I> {
     pub(super) resolution: f64,
     pub(super) cols: usize,
@@ -38,7 +38,7 @@ pub(super) struct Grid<I> {
     pub(super) cells: I,
 }
 
-/// `builtin_interfaces/Time`. Trials last a day at most.
+/// Writes a `builtin_interfaces/Time`. Trials last a day at most.
 fn time(out: &mut CdrWriter, stamp: u64) {
     out.i32(i32::try_from(stamp / 1_000_000_000).unwrap_or(i32::MAX));
     out.u32((stamp % 1_000_000_000) as u32);
@@ -49,8 +49,8 @@ fn header(out: &mut CdrWriter, header: Header<'_>) {
     out.string(header.frame);
 }
 
-/// A position and a quaternion about z: `geometry_msgs/Pose`, and `geometry_msgs/Transform`, which has the same
-/// fields.
+/// Writes a position and a quaternion about z: a `geometry_msgs/Pose`, or a `geometry_msgs/Transform`,
+/// which has the same fields.
 fn pose(out: &mut CdrWriter, pose: Pose, height: f64) {
     let (sin, cos) = libm::sincos(0.5 * pose.heading);
     for value in [pose.position.x, pose.position.y, height, 0.0, 0.0, sin, cos] {
@@ -58,20 +58,20 @@ fn pose(out: &mut CdrWriter, pose: Pose, height: f64) {
     }
 }
 
-/// `rosgraph_msgs/Clock`.
+/// Writes a `rosgraph_msgs/Clock`.
 pub(super) fn clock(out: &mut CdrWriter, stamp: u64) {
     out.begin();
     time(out, stamp);
 }
 
-/// `geometry_msgs/PoseStamped`.
+/// Writes a `geometry_msgs/PoseStamped`.
 pub(super) fn pose_stamped(out: &mut CdrWriter, of: Header<'_>, at: Pose) {
     out.begin();
     header(out, of);
     pose(out, at, 0.0);
 }
 
-/// `tf2_msgs/TFMessage`.
+/// Writes a `tf2_msgs/TFMessage`.
 pub(super) fn transforms(out: &mut CdrWriter, transforms: &[Transform<'_>]) {
     out.begin();
     out.sequence(transforms.len());
@@ -82,7 +82,8 @@ pub(super) fn transforms(out: &mut CdrWriter, transforms: &[Transform<'_>]) {
     }
 }
 
-/// `nav_msgs/Odometry` after the motion of a tick. Covariances are 0, which means that they are not known.
+/// Writes a `nav_msgs/Odometry` after the motion of a tick. Covariances are 0, which means that they
+/// are not known.
 pub(super) fn odometry(
     out: &mut CdrWriter,
     of: Header<'_>,
@@ -102,8 +103,8 @@ pub(super) fn odometry(
     covariance(out);
 }
 
-/// `sensor_msgs/LaserScan`, whose beams are all measured at once. By REP 117 of ROS a beam without echo is +Inf, an
-/// echo that is too close -Inf, and a beam to be ignored NaN.
+/// Writes a `sensor_msgs/LaserScan`, whose beams are all measured at the same time. By REP 117 of ROS,
+/// a beam without echo is +Inf, an echo that is too close -Inf, and a beam to be ignored NaN.
 pub(super) fn scan(out: &mut CdrWriter, of: Header<'_>, laser: &LaserProfile, ranges: &[f64]) {
     out.begin();
     header(out, of);
@@ -135,7 +136,7 @@ fn ros_range(range: f64) -> f32 {
     }
 }
 
-/// `nav_msgs/OccupancyGrid`.
+/// Writes a `nav_msgs/OccupancyGrid`.
 pub(super) fn grid(out: &mut CdrWriter, of: Header<'_>, grid: Grid<impl Iterator<Item = i8>>) {
     out.begin();
     header(out, of);

@@ -1,24 +1,25 @@
-//! `metadata.yaml`, which rosbag2 keeps beside the file of a bag, and the quality of service of its topics.
+//! `metadata.yaml`, which rosbag2 keeps beside the file of a bag, with the quality of service of its
+//! topics.
 
 use std::fmt::Write;
 
 use super::mcap::Totals;
 use super::schema::MessageType;
 
-/// The version of the layout: that of ROS 2 Humble, which later ones read.
+/// Version of the layout: that of ROS 2 Humble, which later versions read.
 const VERSION: u32 = 5;
 
-/// How a topic was published, for those who replay it.
+/// How a topic was published, which matters when it is replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Publishing {
-    /// Each message counts when it comes.
+    /// Each message matters when it comes.
     Stream,
-    /// The last message is kept for subscribers that come later: `transient_local`.
+    /// The last message is kept for later subscribers: `transient_local`.
     Latched,
 }
 
 impl Publishing {
-    /// The profile as rosbag2 writes it, by the numbers of `rmw/types.h`.
+    /// Returns the profile as rosbag2 writes it, with the numbers of `rmw/types.h`.
     pub(super) fn qos(self) -> String {
         let (depth, durability) = match self {
             Publishing::Stream => (10, 2),
@@ -41,9 +42,9 @@ pub(super) struct Topic {
     pub(super) publishing: Publishing,
 }
 
-/// The text of `metadata.yaml` for a bag of one file.
+/// Returns the text of `metadata.yaml` for a bag of one file.
 pub(super) fn metadata(file: &str, topics: &[Topic], totals: &Totals) -> String {
-    // JSON's strings are YAML's.
+    // JSON strings are valid in YAML.
     let quoted = |text: &str| serde_json::Value::from(text).to_string();
     let (first, last) = totals.times.unwrap_or((0, 0));
     let (duration, messages) = (last - first, totals.messages());

@@ -1,5 +1,5 @@
-//! Trials as bags of ROS 2: MCAP files that Foxglove and Lichtblick show, that `ros2 bag play` plays into any SLAM
-//! of ROS 2, and that need neither ROS nor any other program to be written.
+//! Bags of ROS 2 from trials: MCAP files, which Foxglove and Lichtblick show, and which `ros2 bag play`
+//! plays into any SLAM of ROS 2. Writing them needs neither ROS nor any other program.
 //!
 //! | topic | type | when |
 //! |---|---|---|
@@ -12,11 +12,12 @@
 //! | `/ground_truth` | `geometry_msgs/msg/PoseStamped` | with `/odom`: the true pose, in the frame `map` |
 //! | `/clock` | `rosgraph_msgs/msg/Clock` | with `/odom`: simulated time, 0 at the start |
 //!
-//! `/tf_map` is a topic of its own, since a SLAM that the bag is played into publishes that transform itself. Of
-//! further robots topics and frames have a prefix: `/robot_2/scan`, `robot_2/base_link`. The frame `map` is the
-//! world's. Attachments hold the report with its scores and the feedback form, the world, and its spec.
+//! `/tf_map` is a topic of its own, since a SLAM into which the bag is played publishes that transform
+//! itself. Topics and frames of further robots have a prefix: `/robot_2/scan`, `robot_2/base_link`. The
+//! frame `map` is that of the world. Attachments hold the report with its scores and the feedback form,
+//! the world, and its spec.
 //!
-//! Times are simulated time only, and the same trial gives the same bytes.
+//! All times are simulated, and the same trial gives the same bytes.
 //!
 //! ```
 //! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -57,36 +58,36 @@ use self::recording::{Recording, nanoseconds};
 use crate::backend::RobotBackend;
 use crate::trial::{Moment, Setup, Trial, TrialObserver, TrialParts, TrialReport};
 
-/// What a recorder holds.
+/// The state of a recorder.
 enum State<W> {
-    /// No trial has begun.
+    /// The trial has not begun.
     Waiting(W),
     Recording(Box<Recording<W>>),
     Failed(BagError),
-    /// It is finished.
+    /// The bag is finished.
     Done,
 }
 
-/// Records one trial as a bag, written while the trial runs: the memory that it takes does not grow with the
-/// trial, but for the indexes.
+/// Records one trial as a bag while the trial runs. Its memory does not grow with the trial, except for
+/// the indexes.
 pub struct BagRecorder<W> {
     shared: Shared<W>,
 }
 
 type Shared<W> = Arc<Mutex<State<W>>>;
 
-/// The state, whatever became of another thread that held it.
+/// Gives access to the state, even if another thread panicked while it held it.
 fn with_state<W, T>(shared: &Shared<W>, work: impl FnOnce(&mut State<W>) -> T) -> T {
     work(&mut shared.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
 impl<W: Write + Send + 'static> BagRecorder<W> {
-    /// A recorder that writes to `out`; it makes large writes only.
+    /// Creates a recorder that writes to `out`. It only makes large writes.
     pub fn new(out: W) -> Self {
         BagRecorder { shared: Arc::new(Mutex::new(State::Waiting(out))) }
     }
 
-    /// The same parts with this recorder as observer; one trial may be built with them.
+    /// Returns the given parts with this recorder as observer. Only one trial may be built with them.
     #[must_use]
     pub fn watch(&self, parts: TrialParts) -> TrialParts {
         let shared = self.shared.clone();
@@ -96,12 +97,13 @@ impl<W: Write + Send + 'static> BagRecorder<W> {
         })
     }
 
-    /// Ends the bag of a trial with its last map and its attachments. Returns the writer, and what was written.
+    /// Ends the bag of a trial with its last map and its attachments. Returns the writer, and what was
+    /// written.
     ///
     /// # Errors
     ///
-    /// The first error of the writer since the trial began; a world or a map that cannot be written; if not exactly
-    /// one trial was built with [`BagRecorder::watch`].
+    /// Returns the first error of the writer since the trial began. It is also an error if a world or a
+    /// map cannot be written, or if not exactly one trial was built with [`BagRecorder::watch`].
     pub fn finish<B: RobotBackend>(
         self,
         trial: &Trial<B>,
@@ -119,7 +121,7 @@ impl<W: Write + Send + 'static> BagRecorder<W> {
         let mut json = serde_json::to_vec_pretty(report).map_err(io::Error::from)?;
         json.push(b'\n');
         let world_json = world.to_json()?;
-        // Worlds that were imported have no spec.
+        // Imported worlds have no spec.
         let spec = WorldSpec::from_provenance(&world.provenance).map(|spec| spec.to_ron()).ok();
         let files = [
             ("report.json", "application/json", Some(&json[..])),
@@ -148,7 +150,7 @@ fn begin<W: Write>(state: &mut State<W>, setup: &Setup<'_>) {
     };
 }
 
-/// The end of a recorder that the trial holds.
+/// The part of a recorder that belongs to the trial.
 struct Observer<W> {
     shared: Shared<W>,
 }
@@ -165,7 +167,7 @@ impl<W: Write + Send> TrialObserver for Observer<W> {
     }
 }
 
-/// What was written to a bag.
+/// A summary of what was written to a bag.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Bag {
     topics: Vec<Topic>,
@@ -173,18 +175,19 @@ pub struct Bag {
 }
 
 impl Bag {
-    /// Number of messages.
+    /// Returns the number of messages.
     pub fn messages(&self) -> u64 {
         self.totals.messages()
     }
 
-    /// Number of messages of each topic.
+    /// Returns the number of messages of each topic.
     pub fn topics(&self) -> impl Iterator<Item = (&str, u64)> {
         let names = self.topics.iter().map(|topic| topic.name.as_str());
         names.zip(self.totals.channels.iter().copied())
     }
 
-    /// The text of the `metadata.yaml` that rosbag2 expects in the folder of the bag's file, whose name is given.
+    /// Returns the text of the `metadata.yaml` that rosbag2 expects in the folder of the bag's file,
+    /// which is named `file`.
     pub fn metadata(&self, file: &str) -> String {
         metadata::metadata(file, &self.topics, &self.totals)
     }

@@ -1,4 +1,4 @@
-//! What is written of each tick of a trial.
+//! Writes each tick of a trial to a bag.
 
 use std::io::{self, Write};
 
@@ -17,17 +17,18 @@ use crate::odometry::Increment;
 use crate::slam::motion::{advance, believable};
 use crate::trial::{Moment, Setup};
 
-/// Ticks between two messages of odometry, where no scan comes between: twice as many would double their share of
-/// the bag, and scan matching needs the odometry at the times of scans.
+/// Number of ticks between two messages of odometry if no scan comes between. Twice as many messages
+/// would double their share of the bag, and scan matching only needs the odometry at the times of
+/// scans.
 const TICKS_A_MESSAGE: u64 = 4;
 
-/// Nanoseconds between two maps.
+/// Time between two maps in nanoseconds.
 const MAP_PERIOD: u64 = 60_000_000_000;
 
-/// The frame of maps and true poses: the world's.
+/// The frame of maps and true poses, which is that of the world.
 const MAP_FRAME: &str = "map";
 
-/// A trial that is being written.
+/// A trial that is being recorded.
 pub(super) struct Recording<W> {
     out: McapWriter<W>,
     cdr: CdrWriter,
@@ -44,7 +45,7 @@ pub(super) struct Recording<W> {
     drawn: Option<(u64, u64)>,
 }
 
-/// Topics and frames of a robot, and where its wheels take it to be.
+/// Topics and frames of a robot, and its pose by its wheels.
 struct Robot {
     scan: ChannelId,
     odometry: ChannelId,
@@ -143,7 +144,7 @@ impl<W: Write> Recording<W> {
         Ok(())
     }
 
-    /// Writes where a robot is, and what its laser sees from there.
+    /// Writes the poses of a robot, and what its laser sees from there.
     fn add_poses(&mut self, moment: &Moment<'_>, stamp: u64, motion: Increment) -> io::Result<()> {
         let Recording { out, cdr, .. } = self;
         let robot = &self.robots[moment.robot];
@@ -168,7 +169,8 @@ impl<W: Write> Recording<W> {
         Ok(())
     }
 
-    /// Writes the map at a time, unless that was done: of several robots, others may have changed it since.
+    /// Writes the map at a given time, unless it is already written. With several robots, others may
+    /// have changed it since.
     pub(super) fn add_map(&mut self, stamp: u64, map: &OccupancyMap) -> Result<(), BagError> {
         let drawn = Some((stamp, map.revision()));
         if self.drawn == drawn {
@@ -205,7 +207,7 @@ impl<W: Write> Recording<W> {
 }
 
 impl Robot {
-    /// The first robot has the plain names, others have a prefix.
+    /// The first robot has the plain names; further robots have a prefix.
     fn new<W: Write>(number: usize, topics: &mut Topics<W>) -> io::Result<Self> {
         let prefix = if number == 0 { String::new() } else { format!("robot_{}/", number + 1) };
         let mut add = |name, of| topics.add(format!("/{prefix}{name}"), of, Publishing::Stream);
@@ -222,7 +224,7 @@ impl Robot {
     }
 }
 
-/// Simulated seconds in nanoseconds.
+/// Converts simulated seconds to nanoseconds.
 pub(super) fn nanoseconds(seconds: f64) -> u64 {
     (seconds * 1e9).round() as u64
 }

@@ -11,7 +11,7 @@ pub(super) enum MessageType {
     Clock,
 }
 
-/// A line that separates a definition from the next one that it needs.
+/// A line that separates a definition from the next one that it depends on.
 const SEPARATOR: &str =
     "================================================================================\n";
 
@@ -45,7 +45,7 @@ const MAP_META_DATA: (&str, &str) = (
 );
 
 impl MessageType {
-    /// All of them.
+    /// All types of messages.
     #[cfg(test)]
     const ALL: [MessageType; 6] = [
         MessageType::LaserScan,
@@ -56,7 +56,7 @@ impl MessageType {
         MessageType::Clock,
     ];
 
-    /// Its name in ROS.
+    /// Returns its name in ROS.
     pub(super) fn name(self) -> &'static str {
         match self {
             MessageType::LaserScan => "sensor_msgs/msg/LaserScan",
@@ -68,7 +68,7 @@ impl MessageType {
         }
     }
 
-    /// Its definition, and those of the types in it.
+    /// Returns its definition, and the definitions of the types in it.
     fn definition(self) -> (&'static str, &'static [(&'static str, &'static str)]) {
         match self {
             MessageType::LaserScan => (
@@ -108,7 +108,8 @@ impl MessageType {
         }
     }
 
-    /// The text of the schema encoding `ros2msg`: the definition, and after separators those that it needs.
+    /// Returns the text in the schema encoding `ros2msg`: the definition, and those that it depends on
+    /// after separators.
     pub(super) fn text(self) -> String {
         let (text, needed) = self.definition();
         let mut text = text.to_owned();

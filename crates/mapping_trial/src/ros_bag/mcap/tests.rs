@@ -1,4 +1,4 @@
-//! What is written, read back by the rules of the format.
+//! Reads back what is written, by the rules of the format.
 
 use proptest::prelude::*;
 
