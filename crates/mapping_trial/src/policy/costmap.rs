@@ -1,5 +1,5 @@
-//! What a policy derives from the map: where the robot's centre may be, what it costs to be
-//! there, and where the known world ends. Only tiles that changed are derived again.
+//! The costmap that policies derive from the map: where the robot's centre can be, the cost of being
+//! there, and the frontier cells. Only tiles that changed are derived again.
 
 mod cell_cost;
 mod node;
@@ -20,10 +20,10 @@ use super::inflation::{Inflation, LEVELS, MOST};
 use crate::map::{Cell, CellIndex, DECIDED, OccupancyMap, RESOLUTION, TILE};
 use crate::robot::Robot;
 
-/// Farthest in metres that the search of [`Costmap::is_occupied_within`] looks: bounds its work.
+/// Greatest distance in metres that [`Costmap::is_occupied_within`] searches, which bounds its work.
 const FARTHEST_LOOK: f64 = 20.0;
 
-/// Costs of planning cells, and frontier cells, tile by tile as in the map.
+/// A costmap: the costs of planning cells, and frontier cells, tile by tile as in the map.
 ///
 /// ```
 /// use envgen::{Blueprint, Seed, Spec, glam::DVec2, hallway::HallwaySpec};
@@ -46,17 +46,19 @@ pub struct Costmap {
     inflation: Inflation,
     revision: u64,
     tiles: Tiles,
-    /// [`CellCost`] in the low three bits and the best of the four cells in the high four, per node.
+    /// Per node, its [`CellCost`] in the low three bits, and the best of its four cells in the high
+    /// four.
     costs: Vec<u8>,
     /// Tiles whose frontier is to be derived again.
     stale: Vec<u32>,
 }
 
 impl Costmap {
-    /// An unknown costmap for robots of this size.
+    /// Creates an unknown costmap for robots of this size.
     ///
     /// # Panics
-    /// If [`Robot::validate`] refuses the robot.
+    ///
+    /// If [`Robot::validate`] rejects the robot.
     #[track_caller]
     pub fn new(robot: &Robot) -> Self {
         if let Err(error) = robot.validate() {
@@ -71,7 +73,7 @@ impl Costmap {
         }
     }
 
-    /// From now on costs are those for a robot of another circumscribed radius in metres.
+    /// Changes the circumscribed radius in metres of the robot for which costs are, from now on.
     pub(super) fn set_radius(&mut self, radius: f64) {
         self.inflation = Inflation::of_radius(radius);
         for tile in self.tiles.iter_mut() {
@@ -79,7 +81,7 @@ impl Costmap {
         }
     }
 
-    /// A distance in metres that fits the Pioneer 3-AT, enlarged by the robot's excess radius.
+    /// Enlarges a distance in metres that suits the Pioneer 3-AT by the robot's excess radius.
     pub(super) fn grown(&self, pioneer: f64) -> f64 {
         self.inflation.grown(pioneer)
     }
@@ -90,7 +92,7 @@ impl Costmap {
             return;
         }
         let since = std::mem::replace(&mut self.revision, map.revision());
-        // A map that is drawn again drops its tiles without a notice.
+        // A map that is drawn again drops its tiles without notice.
         for slot in 0..self.tiles.len() {
             let at = self.tiles[slot].at;
             if map.tile(at.x, at.y).is_none() {
@@ -109,12 +111,12 @@ impl Costmap {
         }
     }
 
-    /// The cost of the planning cell that contains a point, for the robot's centre.
+    /// Returns the cost of the planning cell that contains a point, for the robot's centre.
     pub fn cell_cost_at(&mut self, p: DVec2) -> CellCost {
         self.node_at(p).map_or(CellCost::Unknown, |node| self.cell_cost(node))
     }
 
-    /// The state of a cell of the map, as of the last refresh.
+    /// Returns the state of a cell of the map at the last refresh.
     pub fn cell(&self, index: CellIndex) -> Cell {
         let side = IVec2::splat(TILE);
         let index = IVec2::new(index.col, index.row);
@@ -130,13 +132,13 @@ impl Costmap {
         }
     }
 
-    /// Keeps robots away from water that was seen at a point in metres, as from obstacles;
-    /// it is remembered for good.
+    /// Keeps robots away from water that was seen at a point in metres, as from obstacles. It is
+    /// remembered permanently.
     pub fn mark_water(&mut self, p: DVec2) {
         let side = IVec2::splat(TILE);
         let index = CellIndex::of(p);
         let index = IVec2::new(index.col, index.row);
-        // Water beyond the map is seen again when the map reaches it.
+        // Water beyond the map is seen again once the map reaches it.
         let Some(slot) = self.tiles.slot_of(index.div_euclid(side)) else { return };
         let cell = index.rem_euclid(side);
         let tile = &mut self.tiles[slot as usize];
@@ -153,7 +155,7 @@ impl Costmap {
         }
     }
 
-    /// Whether a cell was seen to be water.
+    /// Returns whether water was seen in a cell.
     pub fn is_water(&self, index: CellIndex) -> bool {
         let side = IVec2::splat(TILE);
         let index = IVec2::new(index.col, index.row);
@@ -163,7 +165,7 @@ impl Costmap {
             .is_some_and(|slot| self.tiles[slot as usize].water[cell.y as usize] >> cell.x & 1 == 1)
     }
 
-    /// Whether a cell of the map is free and has an unknown one beside, below or above it.
+    /// Returns whether a cell of the map is free and has an unknown cell beside, below or above it.
     pub fn is_frontier(&self, index: CellIndex) -> bool {
         let side = IVec2::splat(TILE);
         let index = IVec2::new(index.col, index.row);
@@ -173,8 +175,8 @@ impl Costmap {
             .is_some_and(|slot| self.frontier(slot as usize)[cell.y as usize] >> cell.x & 1 == 1)
     }
 
-    /// Whether an occupied cell is known within a distance in metres of a point, to about a metre:
-    /// a tile with an occupied cell counts as occupied at its centre.
+    /// Returns whether an occupied cell is known within a distance in metres of a point, to about a
+    /// metre: a tile with an occupied cell counts as occupied at its centre.
     pub fn is_occupied_within(&self, p: DVec2, distance: f64) -> bool {
         let tile = f64::from(TILE) * RESOLUTION;
         let reach = DVec2::splat(distance.clamp(0.0, FARTHEST_LOOK));
@@ -185,21 +187,21 @@ impl Costmap {
             middle.distance(p) <= distance
                 && self.tiles.slot_of(at).is_some_and(|slot| self.tiles[slot as usize].has_occupied)
         };
-        // Mostly a wall is near.
+        // In most cases a wall is near.
         is_occupied((p / tile).floor().as_ivec2())
             || (low.y..=high.y)
                 .any(|row| (low.x..=high.x).any(|col| is_occupied(IVec2::new(col, row))))
     }
 
-    /// Number of frontier cells: for benchmarks and tests.
+    /// Returns the number of frontier cells, for benchmarks and tests.
     #[doc(hidden)]
     pub fn frontier_len(&self) -> usize {
         let ones = |tile: &Tile| tile.frontier.iter().map(|row| row.count_ones()).sum::<u32>();
         self.tiles.iter().map(|tile| ones(tile) as usize).sum()
     }
 
-    /// Derives everything that is still to be derived: for benchmarks and tests, since a cell's tile
-    /// is otherwise derived when the cell's cost is requested.
+    /// Derives everything that is not up to date, for benchmarks and tests. Otherwise a tile is derived
+    /// when the cost of one of its cells is requested.
     #[doc(hidden)]
     pub fn derive_all(&mut self) {
         for slot in 0..self.tiles.len() {
@@ -207,7 +209,7 @@ impl Costmap {
         }
     }
 
-    /// The planning cell that contains a point; `None` where the map has no tile.
+    /// Returns the planning cell that contains a point; `None` if the map has no tile there.
     pub fn node_at(&self, p: DVec2) -> Option<Node> {
         let cell = cell_of(p);
         let side = IVec2::splat(CELLS);
@@ -234,19 +236,19 @@ impl Costmap {
         self.tiles[node.slot()].at * CELLS + node.cell()
     }
 
-    /// A node's cost, derived now if needed.
+    /// Returns a node's cost, which is derived if needed.
     pub(super) fn cell_cost(&mut self, node: Node) -> CellCost {
         self.derive_costs(node.slot());
         self.derived_cell_cost(node)
     }
 
-    /// A node's cost in a tile that is derived.
+    /// Returns a node's cost in a tile that is up to date.
     #[inline]
     pub(super) fn derived_cell_cost(&self, node: Node) -> CellCost {
         CellCost::of(self.costs[node.0 as usize])
     }
 
-    /// The point of a node to drive through: the centre of the best of its four cells.
+    /// The point of a node to drive through, which is the centre of the best of its four cells.
     pub(super) fn point(&self, node: Node) -> DVec2 {
         let low = self.place(node).as_dvec2() * SIDE;
         let best = self.costs[node.0 as usize] >> 4;
@@ -312,7 +314,7 @@ impl Costmap {
         tile.stale_costs = true;
         let around = tile.around;
         self.mark_frontier(slot as u32);
-        // A change matters to the tiles around that are within a margin of it.
+        // A change affects the tiles around that are within a margin of it.
         let reaches = |changed: u32, step: i32, margin: i32| match step {
             1 => changed >> (TILE - margin) != 0,
             -1 => changed << (TILE - margin) != 0,
@@ -335,8 +337,8 @@ impl Costmap {
         }
     }
 
-    /// Marks the tiles beyond the neighbours of a changed tile, if the robot is so large
-    /// that their costs depend on it.
+    /// Marks the tiles beyond the neighbours of a changed tile, if the robot is so large that their
+    /// costs depend on it.
     fn mark_far_costs(&mut self, slot: usize) {
         if self.inflation.margin <= TILE {
             return;
@@ -359,7 +361,7 @@ impl Costmap {
         }
     }
 
-    /// Finds the free cells beside unknown ones. Where less than 3 x 3 cells are unknown together
+    /// Finds the free cells beside unknown ones. Where less than 3 x 3 cells are unknown together,
     /// there is nothing to discover: walls that are seen at a small angle have such gaps.
     fn derive_frontier(&mut self, slot: usize) {
         const ROWS: usize = TILE as usize + 6;
@@ -396,8 +398,8 @@ impl Costmap {
         }
     }
 
-    /// Inflates occupied cells and water in and around a tile by discs of all levels at once, a row
-    /// of cells (the tile's and those on either side) in one number.
+    /// Inflates occupied cells and water in and around a tile by the discs of all levels at once. A
+    /// number holds a row of cells: the tile's and those on either side.
     fn spread<R: Row>(&self, slot: usize) -> [[u32; TILE as usize]; LEVELS] {
         let Inflation { margin, half_widths, .. } = &self.inflation;
         let mut near = [[0_u32; TILE as usize]; LEVELS];

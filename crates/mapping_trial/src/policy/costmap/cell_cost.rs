@@ -1,10 +1,10 @@
 //! The cost of a planning cell for the robot.
 
-/// The cost of a planning cell for the robot's centre, in the sense of Nav2's costmaps.
+/// The cost of a planning cell for the robot's centre, as in Nav2's costmaps.
 ///
-/// A planning cell is as good as the best of its four cells of the map, so that the coarser grid
-/// closes no gap that is open on the map. Distances are those of the Pioneer 3-AT, of radius 0.355 m;
-/// the margins around a robot of another radius are the same.
+/// A planning cell is as good as the best of its four cells of the map, so that the coarser grid closes
+/// no gap that is open on the map. Distances are those of the Pioneer 3-AT, which has a radius of 0.355
+/// m. Robots of another radius have the same margins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum CellCost {
@@ -27,7 +27,7 @@ pub enum CellCost {
 }
 
 impl CellCost {
-    /// Whether a path may lead through the cell.
+    /// Returns whether a path may lead through the cell.
     #[inline]
     pub fn is_passable(self) -> bool {
         self <= CellCost::Tight

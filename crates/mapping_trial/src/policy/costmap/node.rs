@@ -1,10 +1,10 @@
-//! Planning cells by number.
+//! Planning cells, by number.
 
 use glam::IVec2;
 
 use super::tile::{CELLS, NODES, STEPS};
 
-/// What the eight steps add to the number of a node, within a tile.
+/// What each of the eight steps adds to the number of a node within a tile.
 const OFFSETS: [i32; STEPS.len()] = {
     let mut offsets = [0; STEPS.len()];
     let mut direction = 0;
@@ -33,7 +33,8 @@ impl Node {
         is_inner(cell.x) && is_inner(cell.y)
     }
 
-    /// The neighbour in one of [`STEPS`], of a node that is [within its tile](Node::is_within_tile).
+    /// Returns the neighbour in one of [`STEPS`] of a node that is [within its
+    /// tile](Node::is_within_tile).
     #[inline]
     pub(in crate::policy) fn beside(self, direction: usize) -> Node {
         Node(self.0.wrapping_add_signed(OFFSETS[direction]))

@@ -7,19 +7,20 @@ use glam::IVec2;
 use super::table::{NONE, Table};
 use crate::map::{RESOLUTION, TILE};
 
-/// Planning cells along a side of a tile of the map: each holds 2 x 2 cells of the map.
+/// Number of planning cells along a side of a tile of the map. Each of them holds 2 x 2 cells of the
+/// map.
 pub const CELLS: i32 = TILE / 2;
 
 /// Side of a planning cell in metres.
 pub const SIDE: f64 = 2.0 * RESOLUTION;
 
-/// Planning cells in a tile.
+/// Number of planning cells in a tile.
 pub(in crate::policy) const NODES: usize = (CELLS * CELLS) as usize;
 
-/// No step at all, beside the eight of [`STEPS`].
+/// Index of no step, after the eight of [`STEPS`].
 const HERE: usize = STEPS.len();
 
-/// The eight steps from a cell to its neighbours, counter-clockwise from +x; the odd ones are
+/// The eight steps from a cell to its neighbours, counter-clockwise from +x. Those with odd indices are
 /// diagonal.
 pub(in crate::policy) const STEPS: [IVec2; 8] = [
     IVec2::new(1, 0),
@@ -120,8 +121,8 @@ impl Tiles {
         slot as usize
     }
 
-    /// A row of a tile with 16 columns of the tiles on either side; rows below 0 and over the last
-    /// are those of the tiles below and above.
+    /// Returns a row of a tile with 16 columns of the tiles on either side. Rows below 0 and above the
+    /// last are those of the tiles below and above.
     #[inline]
     pub(super) fn wide_row(
         &self,

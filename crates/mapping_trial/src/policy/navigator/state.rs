@@ -1,4 +1,4 @@
-//! What a navigator knows: the state that it keeps for all robots and for each one.
+//! The state that a navigator keeps for all robots and for each one.
 
 use std::collections::VecDeque;
 
@@ -22,12 +22,12 @@ pub(super) const ARRIVED: f64 = 0.25;
 /// Radius in metres around a failed goal in which other goals are excluded.
 pub(super) const FAILED: f64 = 0.5;
 
-/// Seconds between two updates from the map.
+/// Time in seconds between two updates from the map.
 pub(super) const REFRESH: f64 = 1.0;
 
-/// How much slimmer the robot is taken to be for goals behind gaps that are too narrow on the map, in metres,
-/// and at most as a share of its radius: walls of the map that are off by this much in all close the narrowest
-/// gaps that it fits through.
+/// By how much the robot counts as slimmer, in metres and at most as a fraction of its radius, for
+/// goals behind gaps that are too narrow on the map. If walls on the map are off by this much in all,
+/// they close the narrowest gaps that it fits through.
 const SLIMMER: (f64, f64) = (0.1, 0.3);
 
 /// Drives robots to goals.
@@ -36,7 +36,7 @@ pub(in crate::policy) struct Navigator {
     pub(in crate::policy) costmap: Costmap,
     /// Circumscribed radius of the robots in metres.
     radius: f64,
-    /// Whether the costmap is that of a slimmer robot now.
+    /// Whether the costmap is now that of a slimmer robot.
     is_slim: bool,
     pub(super) frontiers: Frontiers,
     pub(super) search: GridPlanner,
@@ -52,7 +52,7 @@ pub(in crate::policy) struct Navigator {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Failure {
     pub(super) at: DVec2,
-    /// Whether a look at it failed, or it had its second chance.
+    /// Whether a look at it failed, or its second chance did.
     pub(super) is_final: bool,
     pub(super) active: bool,
 }
@@ -64,9 +64,9 @@ pub(super) struct Pilot {
     pub(super) pursuit: Pursuit,
     pub(super) task: Task,
     pub(super) progress: Progress,
-    /// Seconds that it has waited for the robot ahead of it.
+    /// Time in seconds for which it has waited for the robot ahead of it.
     pub(super) waited: f64,
-    /// When it last took over the changes of the map.
+    /// When it last took over changes of the map.
     pub(super) refreshed: Option<f64>,
     /// Whether it plans for a slimmer robot.
     is_slim: bool,
@@ -74,17 +74,17 @@ pub(super) struct Pilot {
     pub(super) recoveries: u32,
     pub(super) avoid: Vec<(f64, KeepoutZone)>,
     pub(super) second: SecondLook,
-    /// How often it escaped from where it was stuck.
+    /// Number of escapes from where it was stuck.
     pub(super) escapes: u32,
 }
 
-/// What a robot is doing.
+/// The present task of a robot.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum Task {
-    /// Look all around: the beginning of every run, when too little may be known to choose.
+    /// Look all around at the beginning of a run, when too little may be known for a choice.
     #[default]
     Begin,
-    /// The same, after its first heading is known: how far it has turned.
+    /// Continue to look all around: the last heading, and how far the robot has turned.
     Survey { heading: f64, turned: f64, until: f64 },
     /// Choose a goal.
     Choose,
@@ -94,15 +94,15 @@ pub(super) enum Task {
     Look { frontier: DVec2, heading: f64, until: f64 },
     /// Back off from where the robot is stuck.
     BackOff { from: DVec2, until: f64 },
-    /// Turn away from it.
+    /// Turn away from there.
     TurnAway { heading: f64, until: f64 },
-    /// Drive out of where it is stuck, by the laser alone.
+    /// Escape from where the robot is stuck, by the laser alone.
     Escape { stage: Escape, until: f64 },
-    /// Nothing is left to do, as of this time.
+    /// Do nothing, since nothing has been left to do from this time on.
     Rest { since: f64 },
 }
 
-/// Where a robot is going.
+/// The goal of a robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Goal {
     /// A frontier cell to uncover.
@@ -114,21 +114,21 @@ pub(super) enum Goal {
 /// The stage of an escape.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Escape {
-    /// Turns around: its last heading, how far it has turned, and the best direction so far with
+    /// Turn around: the last heading, how far the robot has turned, and the best direction so far with
     /// its worth.
     Look { heading: f64, turned: f64, best: (f64, f64) },
-    /// Turns to a heading.
+    /// Turn to a heading.
     Turn { heading: f64 },
-    /// Drives ahead from a position.
+    /// Drive ahead from a position.
     Drive { from: DVec2 },
 }
 
-/// What a robot has tried after it had nothing left to explore.
+/// The attempts of a robot after it had nothing left to explore.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SecondLook {
     pub(super) looks: u32,
     pub(super) narrow_goals: u32,
-    /// Number of goals that it drove to, and that number at its last look.
+    /// Number of goals that it drove to, in all and at its last look.
     pub(super) goals: u32,
     pub(super) goals_before: u32,
 }
@@ -158,13 +158,13 @@ impl Navigator {
         self.pilots.get(robot).map_or(&[], |pilot| pilot.path.points())
     }
 
-    /// Takes over the changes of the map.
+    /// Takes over changes of the map.
     pub(super) fn refresh(&mut self, view: &PolicyInput<'_>) {
         self.costmap.refresh(view.map);
         self.pilots[view.robot].refreshed = Some(view.seen.time);
     }
 
-    /// Takes them over if the robot has not done so for a while; returns whether it did.
+    /// Takes over changes of the map if the robot has not done so for a while. Returns whether it did.
     pub(super) fn refresh_if_due(&mut self, view: &PolicyInput<'_>) -> bool {
         let last = self.pilots[view.robot].refreshed;
         let is_due = last.is_none_or(|last| view.seen.time - last >= REFRESH);
@@ -174,13 +174,13 @@ impl Navigator {
         is_due
     }
 
-    /// From now on plans for a robot, or for a slimmer one in its place.
+    /// Plans for a robot from now on, or for a slimmer one in its place.
     pub(super) fn plan_for(&mut self, robot: usize, slim: bool) {
         self.pilots[robot].is_slim = slim;
         self.plan_as_before(robot);
     }
 
-    /// Plans as the robot does: another one may have planned since.
+    /// Plans as the robot last did, since another robot may have planned in between.
     pub(super) fn plan_as_before(&mut self, robot: usize) {
         let slim = self.pilots[robot].is_slim;
         if self.is_slim != slim {
@@ -193,7 +193,7 @@ impl Navigator {
 }
 
 impl SecondLook {
-    /// Notes a goal that the robot drives to.
+    /// Records a goal to which the robot drives.
     pub(super) fn note_goal(&mut self) {
         self.goals += 1;
     }
