@@ -1,4 +1,4 @@
-//! How well measured difficulties agree with those requested.
+//! Agreement of measured difficulties with requested ones.
 
 use envgen::{Seed, Stream};
 use serde::Serialize;
@@ -7,7 +7,7 @@ use crate::difficulty::NEAR_REQUEST;
 use crate::experiment::stats::{Interval, bootstrap, spearman};
 use crate::score::kendall_tau;
 
-/// How measured values agree with requested ones, over maps.
+/// How well measured values agree with requested ones, over maps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Agreement {
     /// Number of maps.
@@ -18,15 +18,15 @@ pub struct Agreement {
     pub tau: Option<Interval>,
     /// Mean absolute difference.
     pub error: Option<Interval>,
-    /// Slope of the measured over the requested values.
+    /// Slope of the line through the measured values over the requested ones.
     pub slope: Option<Interval>,
-    /// What the line through them has at 0.
+    /// Value of this line at 0.
     pub intercept: Option<Interval>,
-    /// Share of the maps whose measured value is [near](NEAR_REQUEST) the requested one.
+    /// Fraction of the maps whose measured value is [near](NEAR_REQUEST) the requested one.
     pub near: Option<Interval>,
 }
 
-/// Compares values map by map, with intervals of 95 % by the bootstrap over maps.
+/// Compares values map by map, with 95 % intervals by the bootstrap over maps.
 pub fn agreement(requested: &[f64], measured: &[f64]) -> Agreement {
     let mut stream: Stream = Seed(0).stream("proof/bootstrap", 0);
     let found = bootstrap(&vec![0; requested.len()], &mut stream, |drawn| {
@@ -35,9 +35,10 @@ pub fn agreement(requested: &[f64], measured: &[f64]) -> Agreement {
     Agreement::new(requested.len(), found)
 }
 
-/// The same of scores of another panel that are linked by the scores of other maps, of the reference panel and of
-/// the other; `dial` makes a difficulty of a score of the reference. The bootstrap draws the maps of the link as well and
-/// fits it again, so that the intervals hold its error. `None` without a link.
+/// Does the same for scores of another panel, which are linked by the scores of other maps under the
+/// reference panel and under the other one. `dial` converts a score of the reference panel to a
+/// difficulty. The bootstrap also draws the maps of the link and fits it again, so that the intervals
+/// include its error. Returns `None` without a link.
 pub(super) fn linked_agreement(
     (requested, scores): (&[f64], &[f64]),
     (reference, other): (&[f64], &[f64]),
@@ -63,7 +64,7 @@ fn pick(values: &[f64], drawn: &[usize]) -> Vec<f64> {
     drawn.iter().map(|&i| values[i]).collect()
 }
 
-/// The statistics in the order of [`Agreement`].
+/// Returns the statistics in the order of [`Agreement`].
 fn statistics(x: &[f64], y: &[f64]) -> [Option<f64>; 6] {
     let line = line(x, y);
     let n = x.len().max(1) as f64;
@@ -87,7 +88,7 @@ impl Agreement {
     }
 }
 
-/// Slope and intercept of the least-squares line; `None` where `x` does not vary.
+/// Returns slope and intercept of the least-squares line; `None` if `x` does not vary.
 fn line(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
     let n = x.len() as f64;
     let (x_mean, y_mean) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
@@ -96,20 +97,20 @@ fn line(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
     (xx > 0.0).then(|| (xy / xx, y_mean - xy / xx * x_mean))
 }
 
-/// A linear link from values under other conditions to those of the reference panel: the same mean and
-/// deviation over maps that both have measured.
+/// A linear link from values under other conditions to those of the reference panel: both have the same
+/// mean and the same deviation over the maps that both have measured.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Link {
-    /// What one of the other is of the reference.
+    /// Change of the reference value per unit of the other value.
     pub slope: f64,
-    /// What 0 of the other is of the reference.
+    /// Reference value for 0 of the other value.
     pub intercept: f64,
     /// Number of maps.
     pub maps: usize,
 }
 
 impl Link {
-    /// The link from paired values; `None` if the others do not vary.
+    /// Computes the link from paired values; `None` if the other values do not vary.
     pub fn new(reference: &[f64], other: &[f64]) -> Option<Self> {
         let n = other.len() as f64;
         let moments = |values: &[f64]| {
@@ -126,7 +127,7 @@ impl Link {
         })
     }
 
-    /// The value on the reference's scale.
+    /// Converts a value to the reference's scale.
     pub fn apply(&self, value: f64) -> f64 {
         self.intercept + self.slope * value
     }

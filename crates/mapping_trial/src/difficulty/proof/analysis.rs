@@ -1,4 +1,4 @@
-//! What the proof shows.
+//! The analysis of the proof's results.
 
 use envgen::calibration::Scale;
 use envgen::difficulty::{DifficultyVector, Platform};
@@ -17,15 +17,15 @@ use crate::experiment::stats::{Interval, mean_and_half, spearman};
 pub struct Analysis {
     /// The design.
     pub design: ProofDesign,
-    /// The links from the other panels to the reference.
+    /// The links from each panel to the reference.
     pub links: Vec<Option<Link>>,
-    /// Each part at each footprint under each panel.
+    /// The agreement of each part at each footprint under each panel.
     pub rows: Vec<Row>,
-    /// The maps that are in no comparison; absent for parts without any.
+    /// The maps that are in no comparison; no entry for parts without such maps.
     pub dropped: Vec<Dropped>,
-    /// The means of what is measured of the calibrated maps, by request.
+    /// Mean measured values of the calibrated maps, by request.
     pub levels: Vec<Level>,
-    /// What a single number explains, of the calibrated maps.
+    /// How much single numbers explain, for the calibrated maps.
     pub singles: Vec<Single>,
     /// The calibrated maps by kind.
     pub kinds: Vec<MapKind>,
@@ -47,7 +47,7 @@ pub struct Dropped {
     pub maps: u32,
 }
 
-/// How one part agrees with its requests.
+/// The agreement of one part with its requests.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// The part.
@@ -56,21 +56,21 @@ pub struct Row {
     pub footprint: u32,
     /// Name of the panel.
     pub panel: String,
-    /// With what this panel measures, on the reference's scale.
+    /// Agreement of this panel's measurements on the reference's scale.
     pub raw: Agreement,
-    /// With values linked to the reference panel.
+    /// Agreement of the values that are linked to the reference panel.
     pub linked: Agreement,
-    /// Share of the variance of the measured values over maps that is not noise of trials; absent where a condition has
-    /// a single trial in a map, and where all values are equal.
+    /// Fraction of the variance of the measured values over maps that is not noise of trials; absent if
+    /// a condition has a single trial in a map, or if all values are equal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reliability: Option<f64>,
-    /// The rank correlation divided by the root of the reliability, from -1 to 1: an estimate of that without noise
-    /// (Spearman, 1904).
+    /// Rank correlation divided by the root of the reliability, from -1 to 1: an estimate of the
+    /// correlation without noise (Spearman, 1904).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rho_without_noise: Option<f64>,
 }
 
-/// The calibrated maps whose requests are near a level, one unit to either side.
+/// The calibrated maps with requests near a level, within one unit to either side.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Level {
     /// Side of the maps in cells.
@@ -79,24 +79,24 @@ pub struct Level {
     pub level: f64,
     /// Number of maps.
     pub maps: usize,
-    /// Mean of what is measured of them, by the dial.
+    /// Mean measured value, by the dial.
     pub mean: f64,
-    /// Half of Student's interval of 95 % of that mean.
+    /// Half of Student's 95 % interval of that mean.
     pub half_interval: f64,
 }
 
-/// The largest share of the variance of what is measured that one number explains.
+/// The largest fraction of the variance of measured values that one number explains.
 #[derive(Clone, Debug, Serialize)]
 pub struct Single {
     /// Side of the maps in cells.
     pub footprint: u32,
     /// `setting`, `two settings` or `feature`.
     pub of: &'static str,
-    /// Its name.
+    /// Name of the number.
     pub name: String,
-    /// Squared rank correlation with what is measured.
+    /// Squared rank correlation with the measured values.
     pub explained: f64,
-    /// The same of the metres of wall.
+    /// Squared rank correlation of the metres of wall with the measured values.
     pub wall_length: f64,
 }
 
@@ -109,12 +109,12 @@ pub struct MapKind {
     pub kind: &'static str,
     /// Number of maps.
     pub maps: usize,
-    /// Rank correlation of what is measured with what is requested; absent for fewer than three maps.
+    /// Rank correlation between measured and requested values; absent for fewer than three maps.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rho: Option<f64>,
-    /// Mean absolute difference of what is measured and requested.
+    /// Mean absolute difference between measured and requested values.
     pub error: f64,
-    /// Mean difference: positive where maps are harder than requested.
+    /// Mean difference, which is positive if maps are harder than requested.
     pub offset: f64,
 }
 
@@ -123,9 +123,9 @@ pub struct MapKind {
 pub struct AllSizes {
     /// Number of maps.
     pub maps: usize,
-    /// Rank correlation of what is measured with what is requested.
+    /// Rank correlation between measured and requested values.
     pub rho: Option<Interval>,
-    /// The same with the metres of wall alone.
+    /// Rank correlation of measured values with the metres of wall alone.
     pub wall_length: Option<f64>,
 }
 
@@ -155,7 +155,7 @@ pub fn analyse(
                 let scores: Vec<f64> = own.iter().map(|one| one.scores[i]).collect();
                 let measured: Vec<f64> = scores.iter().map(|&score| dial(score)).collect();
                 let raw = agreement(&requested, &measured);
-                // The reference links to itself.
+                // The link of the reference panel is to itself.
                 let linked = (i > 0).then(|| {
                     let of = |panel: usize| of(Part::Link).iter().map(move |one| one.scores[panel]);
                     let (reference, other): (Vec<f64>, Vec<f64>) = of(0).zip(of(i)).unzip();
@@ -210,14 +210,14 @@ pub fn analyse(
     }
 }
 
-/// Share of the variance of what a panel measures over maps that is not noise of trials.
+/// Fraction of the variance of a panel's measurements over maps that is not noise of trials.
 fn reliability(maps: &[&ProofResult], panel: usize) -> Option<f64> {
     let noise: Vec<f64> = maps.iter().map(|one| one.noise[panel]).collect::<Option<_>>()?;
     let variance = maps.iter().map(|one| one.scores[panel]).variance();
     (variance > 0.0).then(|| (1.0 - noise.mean() / variance).clamp(0.0, 1.0))
 }
 
-/// The maps of the parts that were run which have no result.
+/// The maps that have no result, of those parts that were run.
 fn dropped(design: &ProofDesign, results: &[(Part, Vec<ProofResult>)]) -> Vec<Dropped> {
     let of = |(part, all): &(Part, Vec<ProofResult>)| {
         let (part, maps) = (*part, design.count(*part));
@@ -231,7 +231,7 @@ fn dropped(design: &ProofDesign, results: &[(Part, Vec<ProofResult>)]) -> Vec<Dr
     results.iter().flat_map(of).collect()
 }
 
-/// The links of all panels over the same maps; the reference links to itself.
+/// The links of all panels over the same maps. That of the reference panel is to itself.
 fn links(results: &[ProofResult], panels: usize) -> Vec<Option<Link>> {
     let scores = |panel: usize| results.iter().map(|one| one.scores[panel]).collect::<Vec<f64>>();
     (0..panels).map(|panel| Link::new(&scores(0), &scores(panel))).collect()
@@ -250,7 +250,7 @@ fn levels(footprint: u32, maps: Vec<(f64, f64)>) -> Vec<Level> {
     [1.0, 3.0, 5.0, 7.0, 9.0].into_iter().filter_map(level).collect()
 }
 
-/// A map with what can be known of it without trials.
+/// A map with what is known of it without trials.
 struct Described<'a> {
     result: &'a ProofResult,
     measured: f64,
@@ -261,7 +261,7 @@ struct Described<'a> {
 }
 
 impl<'a> Described<'a> {
-    /// `None` where its world has no difficulty vector.
+    /// Returns `None` if its world has no difficulty vector.
     fn new(result: &'a ProofResult, measured: f64) -> Option<Self> {
         let plan = result.map.spec.generate(result.map.seed).ok()?;
         let vector = DifficultyVector::of(&plan.to_world(), &Platform::default()).ok()?;
@@ -277,7 +277,8 @@ impl<'a> Described<'a> {
     }
 }
 
-/// How the maps of each kind agree with their requests: by how hallways are laid out, and by what is asked of rooms.
+/// How well the maps of each kind agree with their requests: kinds by the layout of hallways, and by
+/// the request for rooms.
 fn kinds(footprint: u32, maps: &[&Described<'_>]) -> Vec<MapKind> {
     let is = |one: &Described<'_>, term: &str| {
         let found = one.terms.iter().find(|(name, _)| *name == term);
@@ -309,7 +310,7 @@ fn kinds(footprint: u32, maps: &[&Described<'_>]) -> Vec<MapKind> {
     .collect()
 }
 
-/// How the order of maps of all sizes agrees with their requests, and with their size alone.
+/// How well the order of maps of all sizes agrees with their requests, and with their size alone.
 fn all_sizes(maps: &[Described<'_>]) -> AllSizes {
     let of = |value: fn(&Described<'_>) -> f64| maps.iter().map(value).collect::<Vec<f64>>();
     let measured = of(|one| one.measured);
@@ -320,7 +321,7 @@ fn all_sizes(maps: &[Described<'_>]) -> AllSizes {
     }
 }
 
-/// The best setting, the best product of two settings, and the best feature.
+/// Returns the best setting, the best product of two settings, and the best feature.
 fn singles(footprint: u32, maps: &[&Described<'_>]) -> Vec<Single> {
     let Some(first) = maps.first() else { return Vec::new() };
     let measured: Vec<f64> = maps.iter().map(|one| one.measured).collect();
@@ -332,7 +333,7 @@ fn singles(footprint: u32, maps: &[&Described<'_>]) -> Vec<Single> {
     let by_setting = first.terms.iter().enumerate().map(|(i, (name, _))| {
         (*name, squared(&|one| one.terms.get(i).map_or(0.0, |(_, value)| *value)))
     });
-    // Products are named after both.
+    // The names of products have both settings.
     let (by_two, by_one): (Vec<_>, Vec<_>) =
         by_setting.partition(|(name, _)| name.contains("_and_"));
     let features = DifficultyVector::features();

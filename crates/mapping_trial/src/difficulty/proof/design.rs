@@ -1,4 +1,4 @@
-//! Which worlds and trials the proof is made of.
+//! The design of the proof: its worlds and trials.
 
 use envgen::indoor::IndoorSpec;
 use envgen::{Seed, SpecError, WorldSpec, settings};
@@ -7,7 +7,7 @@ use super::dial::Dial;
 use crate::difficulty::Panel;
 use crate::experiment::survey::{Family, Survey, SurveyNoise, ron_options};
 
-/// Panels of what the calibration has not seen: frozen with it, and written since.
+/// Panels that the calibration has not seen: frozen with it, and written since.
 const HELD_OUT: [&str; 2] = [include_str!("held_out_1.ron"), include_str!("held_out_2.ron")];
 
 settings! {
@@ -37,22 +37,22 @@ settings! {
     }
 }
 
-/// The part of the proof that a map belongs to.
+/// A part of the proof, to which maps belong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
-    /// Predicted nearest to the request, not simulated.
+    /// Maps that are predicted nearest to the request, without simulation.
     Calibrated,
-    /// The nearest of a race.
+    /// Maps that won a race.
     Verified,
-    /// By the rules of the thesis.
+    /// Maps by the rules of the thesis.
     Thesis,
-    /// Maps that link conditions.
+    /// Maps that link other conditions to the reference panel.
     Link,
 }
 
 impl Part {
-    /// Its name in files and folders.
+    /// Returns its name in files and folders.
     pub(super) fn name(self) -> &'static str {
         match self {
             Part::Calibrated => "calibrated",
@@ -66,18 +66,18 @@ impl Part {
 /// A map of the proof.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProofMap {
-    /// Side in cells.
+    /// Side of the map in cells.
     pub footprint: u32,
-    /// The value that is requested of the design's dial; of links, 0.
+    /// Requested value of the design's dial; 0 for links.
     pub requested: f64,
-    /// What it is generated from.
+    /// Spec from which it is generated.
     pub spec: IndoorSpec,
-    /// Its seed.
+    /// Seed of the map.
     pub seed: Seed,
 }
 
 impl ProofDesign {
-    /// A short form, for minutes.
+    /// Returns a short design, which takes minutes.
     pub fn quick() -> Self {
         ProofDesign {
             footprints: vec![8],
@@ -94,7 +94,8 @@ impl ProofDesign {
     /// Checks every number.
     ///
     /// # Errors
-    /// The first that is not allowed.
+    ///
+    /// Names the first field whose value is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         let is_size = |size: &u32| (6..=24).contains(size);
@@ -117,7 +118,7 @@ impl ProofDesign {
         }
     }
 
-    /// The reference panel, and the chosen panels of what the calibration has not seen.
+    /// Returns the reference panel, and the chosen panels that the calibration has not seen.
     pub fn panels(&self) -> Vec<Panel> {
         let is_chosen =
             |panel: &Panel| self.held_out.is_empty() || self.held_out.contains(&panel.name);
@@ -126,7 +127,7 @@ impl ProofDesign {
             .collect()
     }
 
-    /// Number of maps of a part per footprint.
+    /// Returns the number of maps of a part per footprint.
     pub fn count(&self, part: Part) -> u32 {
         match part {
             Part::Calibrated => self.maps,
@@ -136,8 +137,8 @@ impl ProofDesign {
         }
     }
 
-    /// The maps of a part. Requests are spread evenly over what each footprint reaches, one drawn in each
-    /// of as many equal intervals as there are maps.
+    /// Returns the maps of a part. Requests are spread evenly over the range of each footprint: it is
+    /// divided into as many equal intervals as there are maps, and one request is drawn in each.
     pub fn maps(&self, part: Part) -> Vec<ProofMap> {
         let count = self.count(part);
         let first = self.seed.offset(1_000_000 * (part as u64 + 1));
@@ -164,7 +165,7 @@ impl ProofDesign {
         maps
     }
 
-    /// The survey of maps under a panel.
+    /// Returns the survey of maps under a panel.
     pub fn survey(&self, maps: &[ProofMap], panel: Panel) -> Survey {
         let families = maps.iter().enumerate().map(|(i, map)| Family {
             name: format!("{i}: {} cells, {:.2}", map.footprint, map.requested),
@@ -179,7 +180,7 @@ impl ProofDesign {
     }
 }
 
-/// All panels of what the calibration has not seen.
+/// Returns all panels that the calibration has not seen.
 fn held_out() -> Vec<Panel> {
     let panels =
         |text: &str| -> Vec<Panel> { ron_options().from_str(text).expect("the files have panels") };

@@ -1,4 +1,4 @@
-//! The dial that the proof is of.
+//! The dial that the proof is about.
 
 use envgen::calibration::Dials;
 use envgen::indoor::{IndoorSpec, Profile};
@@ -7,7 +7,7 @@ use strum::VariantNames;
 
 use crate::names::Named;
 
-/// What is requested and measured.
+/// The dial that is requested and measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
@@ -15,9 +15,9 @@ pub enum Dial {
     /// The difficulty as a whole.
     #[default]
     Difficulty,
-    /// How hard mapping is.
+    /// The difficulty of mapping.
     Mapping,
-    /// How hard navigation is.
+    /// The difficulty of navigation.
     Navigation,
 }
 
@@ -31,7 +31,7 @@ impl Named for Dial {
 }
 
 impl Dial {
-    /// Its own of three values.
+    /// Returns the value of this dial.
     pub fn of<T>(self, dials: Dials<T>) -> T {
         match self {
             Dial::Difficulty => dials.difficulty,
@@ -40,7 +40,7 @@ impl Dial {
         }
     }
 
-    /// A spec of the profile `calibrated` that requests a value of this dial alone.
+    /// Returns a spec of the profile `calibrated` that requests a value of this dial alone.
     pub(super) fn request(self, base: IndoorSpec, value: f64) -> IndoorSpec {
         let spec = IndoorSpec { profile: Profile::Calibrated, ..base };
         match self {
@@ -50,7 +50,7 @@ impl Dial {
         }
     }
 
-    /// What it is, in words.
+    /// Returns the dial in words.
     pub(super) fn text(self) -> &'static str {
         match self {
             Dial::Difficulty => "difficulty",

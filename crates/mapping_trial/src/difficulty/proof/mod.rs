@@ -1,8 +1,8 @@
-//! The proof: are maps as difficult as requested, also for policies, lasers, estimators and robots that the
-//! calibration has not seen?
+//! The proof: are maps as difficult as requested, also for policies, lasers, estimators and robots that
+//! the calibration has not seen?
 //!
-//! The design is frozen: its maps, conditions and analysis follow from the files of this folder and a seed, and
-//! nothing is fitted to its results.
+//! The design is frozen: its maps, conditions and analysis follow from the files of this folder and a
+//! seed, and nothing is fitted to its results.
 
 mod agreement;
 mod analysis;

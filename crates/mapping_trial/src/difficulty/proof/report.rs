@@ -1,4 +1,4 @@
-//! The report of the proof: one self-contained page.
+//! The report of the proof, which is a self-contained page.
 
 use envgen::calibration::Scale;
 use maud::{Markup, html};
@@ -17,17 +17,18 @@ use crate::experiment::report::pieces::{cell, head, interval, table, with_interv
 
 const TITLE: &str = "Is a map as difficult as requested?";
 
-/// Part, its name and the colour of its marks.
+/// The parts, with their names and the colours of their marks.
 const PARTS: [(Part, &str, usize); 3] = [
     (Part::Thesis, "rules of the thesis", 1),
     (Part::Calibrated, "calibrated, not simulated", 0),
     (Part::Verified, "verified by trials", 2),
 ];
 
-/// The page as HTML.
+/// Returns the page as HTML.
 ///
 /// # Errors
-/// A figure cannot be drawn.
+///
+/// If a figure cannot be drawn.
 pub fn page(
     analysis: &Analysis,
     scale: &Scale,
@@ -80,11 +81,12 @@ fn key() -> Markup {
     }
 }
 
-/// The measured over the requested value of a dial at one footprint, under the reference panel, as SVG: maps by the
-/// rules of the thesis orange, calibrated ones blue, verified ones green.
+/// Draws the measured over the requested values of a dial at one footprint under the reference panel,
+/// as SVG: maps by the rules of the thesis in orange, calibrated ones in blue, verified ones in green.
 ///
 /// # Errors
-/// It cannot be drawn.
+///
+/// If the figure cannot be drawn.
 pub fn figure(
     dial: Dial,
     footprint: u32,

@@ -20,15 +20,15 @@ use crate::experiment::{ExperimentError, Shard, write};
 /// The folder of the winners of races.
 const RACE: &str = "race";
 
-/// A map of the proof with what each panel measured.
+/// A map of the proof, with the measurements of each panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProofResult {
     /// The map.
     pub map: ProofMap,
-    /// The mean score of each panel by the design's dial, the reference first.
+    /// Mean score by the design's dial for each panel, the reference first.
     pub scores: Vec<f64>,
-    /// The variance of each of these means by noise, from the variances within conditions. `None` where a condition has a
-    /// single trial.
+    /// Variance of each of these means by noise, computed from the variances within conditions; `None`
+    /// if a condition has a single trial.
     pub noise: Vec<Option<f64>>,
 }
 
@@ -40,14 +40,16 @@ struct Winner {
     spec: IndoorSpec,
 }
 
-/// Called with the name of a stage, the number of finished steps of it and of all.
+/// A function that is called with the name of a stage, the number of its finished steps, and the number
+/// of all its steps.
 pub type Watch<'a> = &'a (dyn Fn(&str, u64, u64) -> ControlFlow<()> + Sync);
 
-/// Runs what is left of a share of a part, which has maps of every footprint, and returns the results of its maps in
-/// which trials of every panel can run; `None` where `watch` stopped it.
+/// Runs the remaining trials of a share of a part, which has maps of every footprint. Returns the
+/// results of those maps in which trials of every panel can run; `None` if `watch` stopped it.
 ///
 /// # Errors
-/// A file cannot be written, holds something else, or its trials now give other results.
+///
+/// If a file cannot be written, holds something else, or its trials now give other results.
 pub fn run(
     design: &ProofDesign,
     part: Part,
@@ -83,7 +85,8 @@ pub fn run(
             own.push(mean);
         }
     }
-    // A world in which a robot cannot drive has no place in the comparison of panels; the analysis counts these.
+    // A world in which a robot cannot drive is left out of the comparison of panels. The analysis
+    // counts these worlds.
     let whole = maps.into_iter().zip(means).filter_map(|(map, means)| {
         let means = means.into_iter().collect::<Option<Vec<Mean>>>()?;
         let (scores, noise) = means.into_iter().map(|mean| (mean.score, mean.noise)).unzip();
@@ -92,11 +95,12 @@ pub fn run(
     Ok(Some(whole.collect()))
 }
 
-/// Joins the folders of all shares of a part in a folder of its own, as one run would have left it.
+/// Merges the folders of all shares of a part into a folder of its own, as if one run had made it.
 ///
 /// # Errors
-/// Shares of another design, results that differ or are missing; a folder that cannot be written or holds something
-/// else.
+///
+/// If shares have another design, if results differ or are missing, or if the folder cannot be written
+/// or holds something else.
 pub fn merge(
     design: &ProofDesign,
     part: Part,
@@ -123,16 +127,16 @@ fn inner_folder(part: Part, panel: &Panel) -> PathBuf {
     Path::new(part.name()).join(folder_name(&panel.name))
 }
 
-/// What a panel measured of a map.
+/// The measurement of a map by a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Mean {
     score: f64,
-    /// The variance of the score by noise.
+    /// Variance of the score by noise.
     noise: Option<f64>,
 }
 
 impl Mean {
-    /// The mean over trials with their conditions; `None` of none.
+    /// Computes the mean over trials, given with their conditions; `None` without trials.
     fn new(trials: &[(u32, f64)]) -> Option<Self> {
         let mut sorted = trials.to_vec();
         sorted.sort_by_key(|(condition, _)| *condition);
@@ -150,7 +154,7 @@ impl Mean {
     }
 }
 
-/// What a panel measured of each map by a dial, where trials can run.
+/// The mean of each map by a dial under a panel, if trials can run in it.
 fn map_means(folder: &SurveyFolder, dial: Dial) -> Vec<Option<Mean>> {
     let mut found = vec![Vec::new(); folder.survey().families.len()];
     for record in folder.records() {
@@ -160,13 +164,13 @@ fn map_means(folder: &SurveyFolder, dial: Dial) -> Vec<Option<Mean>> {
     found.iter().map(|trials| Mean::new(trials)).collect()
 }
 
-/// The name of a panel, as a folder that needs no quotes.
+/// Converts the name of a panel to that of a folder, which needs no quotes.
 fn folder_name(panel: &str) -> String {
     let words = panel.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
     words.collect::<Vec<&str>>().join("_").to_lowercase()
 }
 
-/// Replaces each map by the winner of its race; false where `watch` stopped it.
+/// Replaces each map by the winner of its race. Returns false if `watch` stopped it.
 fn races(
     maps: Vec<&mut ProofMap>,
     folder: &Path,
@@ -202,7 +206,7 @@ fn races(
     Ok(true)
 }
 
-/// Joins the races of all shares, and replaces each map by its winner.
+/// Merges the races of all shares, and replaces each map by its winner.
 fn merge_races(
     maps: &mut [ProofMap],
     folder: &Path,
@@ -241,7 +245,7 @@ fn race_of(seed: Seed) -> String {
 }
 
 impl ProofMap {
-    /// Takes the winner of its race, which must be one of its candidates.
+    /// Sets the winner of a map's race, which must be one of its candidates.
     fn win(&mut self, winner: &IndoorSpec, path: &Path) -> Result<(), ExperimentError> {
         let own = IndoorSpec { candidate: winner.candidate, ..self.spec.clone() };
         if own != *winner {
@@ -253,7 +257,7 @@ impl ProofMap {
     }
 }
 
-/// The winners that are known, from whole lines.
+/// Reads the known winners from complete lines.
 fn winners(text: &str, path: &Path) -> Result<BTreeMap<Seed, IndoorSpec>, ExperimentError> {
     let winner = |(i, line): (usize, &str)| {
         let content = |error: serde_json::Error| ExperimentError::Content {
