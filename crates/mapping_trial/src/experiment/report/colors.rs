@@ -2,19 +2,19 @@
 
 use envgen::palette::{self, Srgb};
 
-/// Of D, M and N.
+/// Colours of D, M and N.
 pub(crate) const MEASURED: [Srgb; 3] = [palette::BLUE, palette::VERMILION, palette::GREEN];
 
-/// Of what the paper states.
+/// Colour of what the paper states.
 pub(super) const STATED: Srgb = palette::PURPLE;
 
-/// Text and axes.
+/// Colour of text and axes.
 pub(super) const INK: Srgb = palette::INK;
 
-/// Text and lines of less weight.
+/// Colour of text and lines of less weight.
 pub(super) const SOFT: Srgb = palette::QUIET_INK;
 
-/// The lines of tables and of the figures' grids.
+/// Colour of the lines of tables and of the figures' grids.
 pub(super) const LINE: Srgb = palette::GRID;
 
 /// The variables of `report.css`.

@@ -24,7 +24,7 @@ pub(crate) const fn rgb(Srgb([red, green, blue]): Srgb) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
-/// How far marks of D, M and N are shifted, so that none hides another.
+/// Shifts of the marks of D, M and N, so that none hides another.
 const APART: [f64; 3] = [0.0, -0.16, 0.16];
 
 /// The ratings that the paper states in words: level and mean rating (its section 6).
@@ -123,7 +123,7 @@ pub(super) fn relative(part: &Part) -> Result<Markup, ExperimentError> {
     Ok(inline(svg, "Mean rank of the easiest, middle and hardest of three maps"))
 }
 
-/// How much each rule adds from the lowest to the highest level.
+/// Draws how much each rule adds from the lowest to the highest level.
 pub(super) fn rules(effects: &[FeatureEffect]) -> Result<Markup, ExperimentError> {
     let rows = effects.len() as f64;
     let ends = effects.iter().flat_map(|effect| &effect.slopes).filter_map(|slope| slope.carried);
@@ -191,7 +191,8 @@ pub(crate) fn chart<'a, 'b>(
     chart_with(area, (x, y), (x_name, y_name), labels, 0)
 }
 
-/// The same with about so many labels on the axes, and digits behind the point of those below.
+/// Does the same with an approximate number of labels on the axes, and a number of decimals for the
+/// labels below.
 pub(crate) fn chart_with<'a, 'b>(
     area: &'a DrawingArea<SVGBackend<'b>, plotters::coord::Shift>,
     (x, y): (std::ops::Range<f64>, std::ops::Range<f64>),

@@ -1,4 +1,4 @@
-//! The report of an experiment: one self-contained page, and the tables.
+//! The report of an experiment: a self-contained page, and the tables.
 
 pub(crate) mod colors;
 pub(crate) mod figures;
@@ -33,12 +33,12 @@ struct Summary<'a> {
     analysis: &'a Analysis,
 }
 
-/// Writes the report of a complete experiment, and returns the files' paths. The trials whose maps
-/// it shows run again on `threads` threads, 0 for one per core.
+/// Writes the report of a complete experiment, and returns the paths of its files. The trials whose
+/// maps it shows run again on `threads` threads, 0 for one per core.
 ///
 /// # Errors
 ///
-/// Trials that are missing, or that now give other results; a file that cannot be written.
+/// If trials are missing or now give other results, or if a file cannot be written.
 pub fn write(experiment: &Experiment, threads: usize) -> Result<Vec<PathBuf>, ExperimentError> {
     experiment.require_all()?;
     if experiment.shard() != Shard::WHOLE {

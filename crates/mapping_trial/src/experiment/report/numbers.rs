@@ -1,8 +1,8 @@
-//! Numbers and lists in words.
+//! Formats numbers and lists in words.
 
 use crate::experiment::stats::Interval;
 
-/// A number with `digits` digits after the point; a true minus sign.
+/// Formats a number with `digits` decimals and a true minus sign.
 pub(super) fn number(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".to_owned();
@@ -12,24 +12,24 @@ pub(super) fn number(value: f64, digits: usize) -> String {
     if zero { text.trim_start_matches('-').to_owned() } else { text.replace('-', "−") }
 }
 
-/// A number that may be absent.
+/// Formats a number that may be absent.
 pub(super) fn some(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "–".to_owned(), |value| number(value, digits))
 }
 
-/// A share in percent.
+/// Formats a fraction in percent.
 pub(super) fn percent(share: f64) -> String {
     format!("{} %", number(100.0 * share, 0))
 }
 
-/// An estimate and its interval in a sentence.
+/// Formats an estimate and its interval for a sentence.
 pub(super) fn said(interval: Interval, digits: usize) -> String {
     let Interval { value, low, high } = interval;
     let [value, low, high] = [value, low, high].map(|x| number(x, digits));
     format!("{value} ({low} to {high})")
 }
 
-/// Words as `a, b and c`.
+/// Formats words as `a, b and c`.
 pub(super) fn list(words: &[String]) -> String {
     match words {
         [] => String::new(),

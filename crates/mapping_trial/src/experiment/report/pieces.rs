@@ -14,12 +14,12 @@ pub(crate) fn interval(interval: Option<Interval>, digits: usize) -> Markup {
     html! { (value) " " small { (low) " to " (high) } }
 }
 
-/// A cell of a table that holds text.
+/// A cell of a table with text.
 pub(crate) fn cell(text: impl Render) -> Markup {
     html! { (text) }
 }
 
-/// The head of a table of which every cell is text.
+/// The head of a table in which every cell is text.
 pub(crate) fn head<const N: usize>(texts: [&str; N]) -> Vec<Markup> {
     texts.map(cell).into()
 }
@@ -29,7 +29,7 @@ pub(crate) fn with_interval(name: &str) -> Markup {
     html! { (name) " " small { "95 %" } }
 }
 
-/// A table in which wide ones can be scrolled.
+/// A table, which can be scrolled if it is wide.
 pub(crate) fn table(caption: &str, head: &[Markup], rows: &[Vec<Markup>]) -> Markup {
     html! {
         div.scroll {

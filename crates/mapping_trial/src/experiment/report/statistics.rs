@@ -71,7 +71,7 @@ fn orders(part: &Part) -> Markup {
     table("Whether measures follow the level", &head, &rows.collect::<Vec<_>>())
 }
 
-/// Which part of the variance belongs to maps, policies, both together, and noise.
+/// The parts of the variance of maps, policies, both together, and noise.
 fn components(part: &Part) -> Markup {
     let Some(first) = part.components.first() else { return html! {} };
     let mut head = vec![cell("variance of single trials")];

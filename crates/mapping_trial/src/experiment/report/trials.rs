@@ -1,4 +1,4 @@
-//! How trials ended, some of their maps, and all of them in a table.
+//! How trials ended, pictures of some of their maps, and a table of all trials.
 
 use maud::{Markup, html};
 
@@ -10,7 +10,7 @@ use crate::experiment::record::Record;
 use crate::experiment::stats::{Analysis, policy_of};
 use crate::trial::EndReason;
 
-/// Greatest number of trials in the page's table; the files have all.
+/// Greatest number of trials in the page's table. The files have all of them.
 const ROWS: usize = 20_000;
 
 /// The reasons why trials end, in the order of the table.
@@ -47,7 +47,7 @@ pub(super) fn ends(design: &Design, analysis: &Analysis) -> Markup {
     }
 }
 
-/// Pictures of some maps; nothing where there are none.
+/// Pictures of some maps; nothing if there are none.
 pub(super) fn maps(design: &Design, maps: &[MapPictures]) -> Markup {
     let Some(first) = maps.first() else { return Markup::default() };
     html! {

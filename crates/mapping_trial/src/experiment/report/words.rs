@@ -1,4 +1,4 @@
-//! The results in sentences made of the numbers.
+//! The results in sentences, which are composed from the numbers.
 
 use envgen::indoor::Profile;
 use maud::{Markup, html};
@@ -30,7 +30,7 @@ pub(super) fn findings(design: &Design, analysis: &Analysis) -> Vec<Markup> {
     found
 }
 
-/// Trials that end early have little time, turning and collisions: score 1 rates them as easy.
+/// Trials that end early have little time, turning and few collisions: score 1 rates them as easy.
 fn how_trials_ended(design: &Design, analysis: &Analysis) -> Markup {
     let each = |of: &dyn Fn(&EndCounts) -> String| -> String {
         let levels = design.levels.iter().zip(&analysis.ends);
@@ -84,7 +84,7 @@ fn of_measure(design: &Design, analysis: &Analysis, measure: usize) -> Markup {
     }
 }
 
-/// Whether the conclusions stand if the same trials are scored by score 1.
+/// Whether the conclusions hold if the same trials are scored by score 1.
 fn by_score_1(analysis: &Analysis) -> Markup {
     let of = |symbol: &str| analysis.main.orders.iter().find(|order| order.measure == symbol);
     let said: Vec<String> = [("D", "D1"), ("M", "M1"), ("N", "N1")]
@@ -188,7 +188,7 @@ fn in_general(effect: &FeatureEffect) -> String {
     }
 }
 
-/// What the paper found, and what was measured for it.
+/// The findings of the paper, and what was measured about them.
 fn beside_the_paper(design: &Design, analysis: &Analysis) -> Markup {
     let Analysis { replay, main, .. } = analysis;
     let maps = replay.values.len();
