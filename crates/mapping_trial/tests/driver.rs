@@ -1,5 +1,4 @@
-//! Drivers as processes, well-behaved and not: the trial ends with a reason, and its log and scores
-//! are there.
+//! Drivers as processes, well-behaved and not: the trial ends with a reason, and has a log and scores.
 #![cfg(all(unix, feature = "driver"))]
 
 use std::process::Command;
@@ -14,7 +13,7 @@ use mapping_trial::trial::{EndReason, PartRole, Trial, TrialReport, TrialSetting
 /// The hello of a driver in sh.
 const HELLO: &str = r#"read hello; echo '{"protocol": "envgen-driver 1", "name": "sh"}';"#;
 
-/// Long enough for a busy machine.
+/// Limits that are long enough for a busy machine.
 const PATIENCE: Limits = Limits { reply: Duration::from_secs(60), total: Duration::from_secs(600) };
 
 fn world() -> World {
@@ -37,7 +36,8 @@ fn run(script: &str, limits: Limits) -> (Trial<FlatSimulator>, TrialReport, Driv
     (trial, report, driver)
 }
 
-/// Why the trial of a script ends; there are a log that runs again and a report with the reason.
+/// Returns why the trial of a script ends. It also checks that the log can be replayed, and that the
+/// report has the reason.
 fn failure(script: &str, limits: Limits) -> String {
     let (trial, report, driver) = run(script, limits);
     assert_eq!(report.robots[0].end, Some(EndReason::Failed), "{script}");
@@ -52,7 +52,7 @@ fn failure(script: &str, limits: Limits) -> String {
 
 #[test]
 fn a_driver_in_sh_drives_and_its_trial_runs_again() {
-    // The last line has no answer; the file holds it.
+    // The last line has no answer, and the script writes it to the file.
     let folder = tempfile::tempdir().expect("a folder");
     let last = folder.path().join("last");
     let script = format!(
@@ -183,7 +183,7 @@ fn what_a_driver_estimates_is_scored() {
     let last = trial.autonomy().slam().trajectory(0).last().copied().expect("a pose");
     assert_eq!((last.position.x, last.position.y), (9.0, 9.0));
     assert!(report.scores.trajectory_error > 1.0 && report.scores.coverage == 0.0);
-    // The built-in SLAM replaces the driver's in a replay; the robot drives the same path.
+    // In a replay, the built-in SLAM takes the place of the driver's. The robot drives the same path.
     let again = trial.log().replay().expect("its own log");
     assert_eq!(again.trajectory(0), trial.trajectory(0));
     assert_eq!(again.foreign(), trial.foreign());

@@ -112,7 +112,7 @@ fn bad_arguments_end_with_2_and_bad_worlds_with_1() {
     ] {
         assert_eq!(code("room.ron", &options), Some(2), "{options:?}");
     }
-    // What has no end does not fill the memory.
+    // An endless file does not fill the memory.
     #[cfg(target_os = "linux")]
     assert_eq!(code("room.ron", &["--robot", "/dev/zero"]), Some(2));
     assert_eq!(code("room.zip", &[]), Some(2));
@@ -133,7 +133,8 @@ fn a_world_without_a_start_gets_one() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// A trial in a folder: its world, its map for ROS, and its trajectories; returns its report.
+/// Runs a trial and writes its world, its map for ROS, and its trajectories to a folder. Returns its
+/// report.
 fn trial_in(folder: &Path) -> TrialReport {
     let world = IndoorSpec { width: 6, height: 6, ..Default::default() };
     let world = world.generate(Seed(3)).expect("a map").to_world();
@@ -150,7 +151,7 @@ fn trial_in(folder: &Path) -> TrialReport {
     map.write_pgm(&mut image).expect("bytes");
     write("map.yaml", &yaml);
     write("map.pgm", &image);
-    // The same map as a SLAM has it that knows no world: from the start.
+    // The same map in the frame of a SLAM that does not know the world, with the start as origin.
     let start = trial.trajectory(0).poses[0];
     let map = RosMap { origin: start.between(map.origin), ..map };
     let mut yaml = Vec::new();
@@ -200,12 +201,12 @@ fn a_trials_own_map_scores_as_its_report_says() {
     let error = |of: &str| report["trajectory"][of]["trajectory_error"].as_f64().expect("metres");
     assert!(error("aligned") <= error("as_is"));
 
-    // In the frame of the start, the map is turned back into the world's.
+    // In the frame of the start, the map is transformed back to the world's frame.
     let turned = score(&["--map", "from_start.yaml"]);
     let f1 = turned["map"]["f1_30"].as_f64().expect("a share");
     assert!((f1 - expected.f1_30).abs() < 0.03, "{f1} for {}", expected.f1_30);
     assert_eq!(turned["mapping"], Value::Null);
-    // A wrong start is made up for by the walls.
+    // A wrong start is corrected by the walls.
     let start = turned["frame"]["position"].as_array().expect("a pose")[..2].to_vec();
     let [x, y] = [0, 1].map(|i| start[i].as_f64().expect("metres"));
     let degrees = turned["frame"]["heading"].as_f64().expect("radians").to_degrees();
@@ -216,7 +217,7 @@ fn a_trials_own_map_scores_as_its_report_says() {
     assert!(strict(&lost) + 0.1 < strict(&found), "{} and {}", strict(&lost), strict(&found));
     assert!(strict(&found) > strict(&turned) - 0.05);
 
-    // A map that is free everywhere covers all, of which it warns.
+    // A map that is free everywhere has full coverage, about which there is a warning.
     let image = [b"P5\n800 800\n255\n".to_vec(), vec![254; 800 * 800]].concat();
     std::fs::write(folder.path().join("free.pgm"), image).expect("a file");
     let yaml = "image: free.pgm\nresolution: 0.05\norigin: [-20, -20, 0]\nnegate: 0\n\
@@ -231,7 +232,7 @@ fn a_trials_own_map_scores_as_its_report_says() {
     assert_eq!(warned("free.yaml"), (true, true));
     assert_eq!(warned("map.yaml"), (true, false));
 
-    // The text for people holds the same.
+    // The text for people has the same content.
     let output = run(folder.path(), &[&["score", "--world", "world.json"][..], &own].concat());
     let text = String::from_utf8(output.stdout).expect("text");
     assert!(text.contains(&format!("{:.1} %", 100.0 * expected.coverage)), "{text}");
@@ -315,7 +316,7 @@ fn maps_are_made_for_the_robot_that_is_given() {
     let size = ["--set", "width=6", "--set", "height=6", "--out", "map.json"];
     let with =
         |robot| [&["generate", "--robot", robot, "--panel", "panel.ron"], &size[..]].concat();
-    // What cannot be is refused before any trial.
+    // What is not possible is rejected before any trial.
     let text = error(at, &with("larger.ron"));
     assert!(text.starts_with("error: `robot_radius` must be at most 1.335 m, got 1.36"), "{text}");
     assert!(text.ends_with("; it is that of the panel's largest robot\n"), "{text}");
@@ -341,7 +342,7 @@ fn maps_are_made_for_the_robot_that_is_given() {
     }
 }
 
-/// A driver in sh that answers each observation with the line that is left in the file `answer`.
+/// A driver in sh that answers each observation with the line in the file `answer`.
 #[cfg(unix)]
 const DRIVER: &str = r#"read hello; echo '{"protocol": "envgen-driver 1", "name": "sh"}'
 read answer < answer; while read line; do echo "$answer"; done"#;
@@ -379,7 +380,7 @@ fn a_driver_of_your_own_takes_the_place_of_the_policies() {
     };
     let folders = || std::fs::read_dir(at.join("out")).map_or(0, Iterator::count);
     let found = measured("sh driver.sh");
-    // Policies that do not drive make no conditions of their own.
+    // Policies that do not drive make no further conditions.
     let conditions = &found["measurement"]["conditions"];
     assert_eq!(conditions.as_array().map(Vec::len), Some(1), "{conditions}");
     assert_eq!((&conditions[0]["explored"], folders()), (&Value::from(1), 1));
@@ -392,7 +393,7 @@ fn a_driver_of_your_own_takes_the_place_of_the_policies() {
     // Another command may be another driver: its scale is measured.
     measured("sh driver.sh --again");
     assert_eq!(folders(), 2);
-    // What it does now is not what the scale was measured with.
+    // The driver now behaves differently than when the scale was measured.
     std::fs::write(at.join("answer"), "{\"speed\": 0.4, \"turn_rate\": 0}\n").expect("a file");
     let changed = error(at, &with("sh driver.sh"));
     assert!(changed.contains("another version of this program or of a driver"), "{changed}");
@@ -438,7 +439,7 @@ fn a_driver_that_fails_leaves_no_trial() {
     for text in std::fs::read_dir(at.join("out")).expect("a folder").map(trials) {
         assert_eq!(text.expect("a file"), "");
     }
-    // A world is nothing that a driver fails in either.
+    // It is no property of a world, either, that a driver fails in it.
     let measure =
         ["measure", "room.json", "--panel=panel.ron", "--driver=sh driver.sh", "--anchors=anchors"];
     assert!(error(at, &measure).contains("the driver failed: a line that is not an answer"));
@@ -462,8 +463,8 @@ fn unfinished_and_foreign_atlases_are_refused() {
     assert!(!at.join("new.json").exists());
 }
 
-/// A session of two seconds in a map of its own, with the files of a window: log and report. A program drives, and fills
-/// the form, but for the rating of a person if there is one.
+/// Creates a session of two seconds in a map of its own, with the log and the report of a window. A
+/// program drives and fills the form, except for the rating of a person, if there is one.
 fn session(folder: &Path, name: &str, seed: u64, rating: Option<f64>) {
     let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
     let world = spec.generate(Seed(seed)).expect("a plan").to_world();

@@ -1,5 +1,5 @@
-//! Scripted drives through hand-made worlds: what a robot measures on a path that does not depend on
-//! its map, and the estimates from it.
+//! Scripted drives through hand-made worlds. They give the measurements of a robot on a path that does
+//! not depend on its map, and the estimates from them.
 
 use envgen::geometry::{Pose, Rect, Shape, unit_vector, wrap_angle};
 use envgen::glam::DVec2;
@@ -19,13 +19,13 @@ const PACE: (f64, f64) = (0.5, 0.8);
 pub(crate) struct Drive {
     laser: LaserProfile,
     motions: Vec<Increment>,
-    /// The tick after which each scan was taken, and its ranges; the first before all motion.
+    /// The tick after which each scan was taken, and its ranges. The first scan is before all motion.
     scans: Vec<(usize, Vec<f64>)>,
     /// The pose at the start and after each motion.
     pub(crate) truth: Vec<Pose>,
 }
 
-/// What a robot measured, and where it was.
+/// The measurements of a robot, and its true poses.
 pub(crate) struct Recording<'a> {
     pub(crate) drive: &'a Drive,
     pub(crate) steps: Vec<Observation>,
@@ -57,8 +57,8 @@ pub(crate) fn frame(x0: f64, y0: f64, x1: f64, y1: f64) -> Vec<Rect> {
 }
 
 impl Drive {
-    /// Drives from waypoint to waypoint: turns on the spot towards the next where it is far off
-    /// ahead, else drives and steers.
+    /// Drives from waypoint to waypoint: the robot turns on the spot if the next one is far off its
+    /// heading, otherwise it drives and steers.
     pub(crate) fn new(world: &World, waypoints: &[DVec2], laser: &LaserProfile) -> Self {
         let rays = Raycaster::new(world);
         let robot = Robot::default();
@@ -90,7 +90,7 @@ impl Drive {
         Drive { laser: laser.clone(), motions, scans, truth }
     }
 
-    /// What a robot measures on the path.
+    /// Returns the measurements of a robot on the path.
     pub(crate) fn record(&self, odometry: &OdometryProfile, seed: u64) -> Recording<'_> {
         let mut wheels = Odometry::new(odometry.clone(), Seed(seed), 0);
         let mut sensor = Laser::new(self.laser.clone(), Seed(seed), 0);
@@ -112,12 +112,12 @@ fn heading_of(v: DVec2) -> f64 {
 }
 
 impl Recording<'_> {
-    /// What an estimator makes of it.
+    /// Replays the measurements with an estimator.
     pub(crate) fn replay(&self, kind: SlamKind) -> Box<dyn Slam + Send> {
         self.replay_with(kind, WheelCalibration::default())
     }
 
-    /// What an estimator makes of it that learns certain errors of the wheels.
+    /// Replays the measurements with an estimator that learns certain errors of the wheels.
     pub(crate) fn replay_with(
         &self,
         kind: SlamKind,

@@ -31,10 +31,10 @@ fn run(settings: TrialSettings) -> (Option<EndReason>, Scores) {
     (trial.end_of(0).map(|end| end.reason), trial.score(&truth).expect("scores"))
 }
 
-/// Seeds of what the sensors get wrong.
+/// Number of seeds for the errors of sensors.
 const SEEDS: u64 = 6;
 
-/// With the default laser, which is short of half the room, and with one that sees all of it.
+/// Tests the default laser, whose range is less than half the room, and one that sees all of it.
 #[test]
 fn no_policy_finds_an_empty_room_difficult() {
     for (name, policy) in PolicyKind::NAMES {
@@ -50,7 +50,7 @@ fn no_policy_finds_an_empty_room_difficult() {
                 assert_eq!(end, Some(EndReason::Explored), "{name}, {range} m, seed {seed}");
                 let one = scores.score_1.difficulty;
                 assert!(one <= 1.0, "{name}, {range} m, seed {seed}: {scores:#?}");
-                // What the wheels get wrong where the shorter laser sees no wall is difficulty.
+                // Where the shorter laser sees no wall, the errors of the wheels are difficulty.
                 let most = if range < 10.0 { 3.0 } else { 1.0 };
                 assert!(scores.difficulty <= most, "{name}, {range} m, seed {seed}: {scores:#?}");
             }
@@ -58,8 +58,8 @@ fn no_policy_finds_an_empty_room_difficult() {
     }
 }
 
-/// From the centre of the room its walls cannot be seen: the wheels' errors (a scale of 1.5 %, turns
-/// of 5 %) are in the map. With exact wheels there must be no other errors.
+/// From the centre of the room its walls are out of sight, so that the errors of the wheels (a scale of
+/// 1.5 %, turns of 5 %) are in the map. With exact wheels there must be no other errors.
 #[test]
 fn wheels_that_are_exact_leave_an_exact_map() {
     for seed in 0..3 {

@@ -1,4 +1,4 @@
-//! Runs of policies whose map is drawn from true poses: every failure in them is the policy's.
+//! Runs of policies on maps that are drawn from true poses, so that every failure is the policy's.
 
 use std::sync::Arc;
 
@@ -24,17 +24,17 @@ pub(crate) enum End {
     Time,
 }
 
-/// What became of a run.
+/// The result of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct Outcome {
     pub(crate) end: End,
-    /// Simulated seconds.
+    /// Simulated time in seconds.
     pub(crate) time: f64,
-    /// Share of the reachable free space that is free on the map.
+    /// Fraction of the reachable free space that is free on the map.
     pub(crate) coverage: f64,
     pub(crate) collisions: u32,
     pub(crate) recoveries: u32,
-    /// Metres driven and radians turned by all robots.
+    /// Distance in metres and turning in radians of all robots.
     pub(crate) metres: f64,
     pub(crate) radians: f64,
 }
@@ -50,7 +50,7 @@ pub(crate) struct Run {
     pub(crate) tracks: Vec<Vec<DVec2>>,
     /// The area to map.
     pub(crate) area: Rect,
-    /// Simulated seconds.
+    /// Simulated time in seconds.
     pub(crate) time: f64,
 }
 
@@ -73,7 +73,7 @@ impl Run {
         }
     }
 
-    /// Drives until the policy has finished, is stuck, or time is up.
+    /// Drives until the policy has finished, is stuck, or the time is over.
     pub(crate) fn drive(&mut self, policy: &mut dyn ExplorationPolicy, seconds: f64) -> Outcome {
         let robots = self.starts.len();
         let mut commands = vec![Command::STOP; robots];
@@ -151,7 +151,7 @@ impl Run {
     }
 }
 
-/// Draws a scan into a map: its rays are free, their ends occupied.
+/// Draws a scan into a map: cells along its rays are free, those at their ends occupied.
 fn draw(map: &mut OccupancyMap, from: Pose, laser: &LaserProfile, scan: &Scan) {
     let mut area = Rect::new(from.position, from.position);
     for (beam, &range) in scan.ranges.iter().enumerate() {
@@ -204,7 +204,8 @@ fn cells(from: DVec2, direction: DVec2, length: f64, mut visit: impl FnMut(CellI
     }
 }
 
-/// Where a robot's footprint can get to from a start: centres of cells of 0.1 m that it covers.
+/// Returns where a robot's footprint can get from a start: the centres of the cells of 0.1 m that it
+/// covers.
 pub(crate) fn reachable(world: &World, start: DVec2, robot: &Robot) -> Vec<DVec2> {
     const SIDE: f64 = 0.1;
     let Ok(grid) = OccupancyGrid::of(world, SIDE, Coverage::Centre) else { return Vec::new() };
@@ -250,7 +251,7 @@ pub(crate) fn reachable(world: &World, start: DVec2, robot: &Robot) -> Vec<DVec2
         .collect()
 }
 
-/// Share of places that are free on a map.
+/// Fraction of positions that are free on a map.
 pub(crate) fn coverage(map: &OccupancyMap, places: &[DVec2]) -> f64 {
     let free = places.iter().filter(|&&p| map.cell(CellIndex::of(p)) == Cell::Free).count();
     free as f64 / places.len().max(1) as f64

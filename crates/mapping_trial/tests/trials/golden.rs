@@ -1,4 +1,4 @@
-//! Trials are the same to the last bit: in debug and in release, on one thread and on several.
+//! Trials are the same to the last bit: in debug and release builds, on one thread and on several.
 
 use std::thread;
 
@@ -9,9 +9,9 @@ use mapping_trial::policy::PolicyKind;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 use mapping_trial::trial::{Trial, TrialSettings};
 
-/// Digests of logs and trajectories, by policy; the last three are of two robots, of
-/// `pose_graph`, and of wheels whose distances are learned too. A change here changes what every trial
-/// measures: note it in the changelog.
+/// Digests of logs and trajectories, by policy. The last three are of two robots, of `pose_graph`, and
+/// of wheels whose distances are learned, too. A change here changes what every trial measures: note it
+/// in the changelog.
 const GOLDEN: [&str; 9] = [
     "99e893e242f02a2cce3542c66eda0a82",
     "d6e6d481c2f86b575127a49e6fc56e7c",

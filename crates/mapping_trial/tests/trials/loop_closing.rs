@@ -5,11 +5,12 @@ use mapping_trial::slam::SlamKind;
 
 use crate::slam_bands::{around, corridor_loop, errors, median};
 
-/// Runs around the loop.
+/// Number of runs around the loop.
 const SEEDS: u64 = 12;
 
-/// Scan to map finds the old walls again where a loop comes back within its drift, which is nearly
-/// always; closing loops also mends the others, and is no worse where there is nothing to mend.
+/// Scan-to-map matching nearly always finds the old walls again where a loop comes back within its
+/// drift. Loop closing also corrects the other cases, and is no worse where there is nothing to
+/// correct.
 #[test]
 fn loops_that_are_closed_always_come_back_to_the_old_walls() {
     let (walls, path) = (corridor_loop(120.0, 80.0, true), around(120.0, 80.0, 20.0));

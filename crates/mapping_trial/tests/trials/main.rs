@@ -1,4 +1,4 @@
-//! Whole trials and their parts, in one program so that the tests share all cores.
+//! Tests of whole trials and their parts, in one program so that they share all cores.
 
 mod drive;
 mod empty_room;

@@ -6,12 +6,12 @@ use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec};
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
 
-/// Maps that are driven.
+/// Number of maps that are driven.
 const MAPS: u64 = 20;
 
-/// How the trials on maps of level 5 end in which every place can be reached: none of the 20 got
-/// stuck and 12 were explored when this was frozen. One may get stuck, and two thirds as many must be
-/// explored.
+/// Checks how trials end on maps of level 5 in which every place can be reached. None of the 20 got
+/// stuck, and 12 were explored, when this test was frozen. One may get stuck, and two thirds as many
+/// must be explored.
 #[test]
 fn hardly_any_map_ends_by_getting_stuck() {
     let drive = |seed| {

@@ -40,8 +40,8 @@ fn run(world: &World, kind: PolicyKind, starts: &[Pose], seconds: f64) -> (Outco
 
 #[test]
 fn hallways_first_does_not_drive_back_and_forth_between_their_ends() {
-    // Objects stand in the hallways. Where the robot once stood beside one no path ended, and it looked for the next
-    // goal from there for good: 47 % were covered.
+    // There are objects in the hallways. Where the robot once was beside an object no path ended, and
+    // from then on it searched for its next goals from there: it covered 47 %.
     let spec = IndoorSpec {
         difficulty: 4.0,
         width: 10,

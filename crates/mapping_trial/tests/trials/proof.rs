@@ -1,4 +1,5 @@
-//! The proof that maps are as difficult as requested, small: in shares, interrupted and continued.
+//! A small version of the proof that maps are as difficult as requested: in shares, interrupted and
+//! continued.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -25,7 +26,7 @@ fn design() -> ProofDesign {
 
 type Results = Vec<(Part, Vec<ProofResult>)>;
 
-/// Of one part, for the sake of time.
+/// Only one part, to save time.
 const PART: Part = Part::Calibrated;
 
 fn finish(folder: &Path, shard: Shard) -> Results {
@@ -66,13 +67,13 @@ fn shares_and_continued_runs_make_the_report_of_one_run() {
     assert!(page.contains("Requested and measured difficulty of navigation"));
     assert!(summary.contains("\"dial\":\"navigation\""));
     assert!(svg.contains("measured difficulty of navigation of 6 x 6 cells"));
-    // Maps of other requests are others on this dial, as far as four of them show.
+    // On this dial, maps of other requests differ, as far as four of them show.
     let calibrated = &results[0].1;
     assert_eq!(calibrated.len(), 4);
     let (low, high) = (calibrated[0].scores[0], calibrated[3].scores[0]);
     assert!(low < high, "{low} {high}");
 
-    // A run that ended within a line.
+    // This run was interrupted within a line.
     let file = out("merged").join("calibrated/reference/trials.jsonl");
     let whole = fs::read(&file).expect("trials");
     fs::write(&file, &whole[..whole.len() - 2000]).expect("a file");

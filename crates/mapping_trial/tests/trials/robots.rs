@@ -1,5 +1,5 @@
-//! Robots of any size pass gaps that are wider than they are and refuse narrower ones: in plans, in
-//! the flat simulator and in the reference that scores are measured against.
+//! Robots of any size pass gaps that are wider than they are and do not enter narrower ones: in plans,
+//! in the flat simulator, and in the reference for scores.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -37,8 +37,8 @@ fn disc(radius: f64) -> Robot {
     }
 }
 
-/// Two rooms beside each other with a gap in the wall between them; the start is in the left one,
-/// the laser sees the gap.
+/// Two rooms beside each other with a gap in the wall between them. The start is in the left room,
+/// where the laser sees the gap.
 fn rooms(gap: f64) -> World {
     let (wall, middle) = (0.1, 0.5 * ROOM);
     let mut walls: Vec<Rect> = frame(0.0, 0.0, 2.0 * ROOM, ROOM);
@@ -61,7 +61,7 @@ fn plan_passes(robot: &Robot, gap: f64, limit: CellCost) -> bool {
     search.to(&mut costmap, start, &[], start + DVec2::X * ROOM).is_some()
 }
 
-/// Whether a disc that drives straight ahead gets through, and how often it collides.
+/// Whether a disc that drives straight ahead gets through, and its number of collisions.
 fn drive_passes(robot: &Robot, gap: f64) -> (bool, u32) {
     let world = rooms(gap);
     let flat = Arc::new(FlatWorld::new(&world, robot).expect("a robot"));
@@ -74,7 +74,7 @@ fn drive_passes(robot: &Robot, gap: f64) -> (bool, u32) {
     (bodies.pose(0).position.x > ROOM + robot.circumscribed_radius, bodies.collisions(0))
 }
 
-/// Square metres that the reference says can be mapped.
+/// Area in square metres that can be mapped by the reference.
 fn mappable(robot: &Robot, gap: f64) -> f64 {
     MappableArea::new(&rooms(gap), robot).expect("a start").free_area()
 }
@@ -83,7 +83,8 @@ fn mappable(robot: &Robot, gap: f64) -> f64 {
 fn robots_pass_gaps_of_their_own_size_and_refuse_narrower_ones() {
     for radius in [0.2, 0.355, 0.8, 1.3] {
         let robot = disc(radius);
-        // A plan keeps half a centimetre off, and knows walls to a cell of 5 cm on either side.
+        // A plan keeps half a centimetre of distance, and knows walls to within a cell of 5 cm on
+        // either side.
         let (wide, narrow) = (2.0 * radius + 0.15, 2.0 * radius - 0.15);
         assert!(plan_passes(&robot, wide, CellCost::Tight), "{radius}");
         assert!(!plan_passes(&robot, 2.0 * radius - 0.05, CellCost::Tight), "{radius}");
@@ -97,7 +98,7 @@ fn robots_pass_gaps_of_their_own_size_and_refuse_narrower_ones() {
     }
 }
 
-/// A trial without errors of the wheels, which has ended, with its scores.
+/// Runs a trial without errors of the wheels to its end, and returns it with its scores.
 fn run(
     world: &World,
     body: Robot,
@@ -117,7 +118,7 @@ fn end(trial: &Trial<FlatSimulator>) -> Option<EndReason> {
     trial.end_of(0).map(|end| end.reason)
 }
 
-/// The whole trial: plan, drive, map and score by one robot's numbers.
+/// A whole trial uses one robot's numbers: to plan, drive, map and score.
 #[test]
 fn a_trial_ends_where_the_robot_no_longer_fits() {
     for radius in [0.2, 0.8] {
@@ -157,7 +158,7 @@ fn slow_robots_explore_as_well() {
     }
 }
 
-/// Lasers of one scan in 1 to 5 s, and those that look backwards.
+/// Lasers with one scan in 1 to 5 s, and lasers that look backwards.
 #[test]
 fn slow_lasers_and_lasers_that_look_backwards_explore_as_well() {
     let backwards = LaserMount { heading: PI, ..LaserMount::default() };
@@ -175,7 +176,7 @@ fn slow_lasers_and_lasers_that_look_backwards_explore_as_well() {
     }
 }
 
-/// The robots in `assets/robots` are sound, and each maps a hallway with few collisions.
+/// The robots in `assets/robots` are valid, and each of them maps a hallway with few collisions.
 #[test]
 fn the_robots_that_ship_can_be_driven() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/robots");
@@ -184,7 +185,7 @@ fn the_robots_that_ship_can_be_driven() {
         let path = entry.expect("an entry").path();
         let text = std::fs::read_to_string(&path).expect("a file");
         let robot = Robot::from_ron(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        // A corridor as wide for a large robot as it is for the Pioneer.
+        // The corridor is as wide for a large robot as it is for the Pioneer.
         let larger = (robot.circumscribed_radius / 0.355).max(1.0);
         let (pitch, width) = (5.0 * larger, 2.0 * larger);
         let spec = HallwaySpec { segments: 4, pitch, width, ..Default::default() };

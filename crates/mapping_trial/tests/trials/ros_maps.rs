@@ -1,4 +1,4 @@
-//! Robots in maps of ROS stay inside of them.
+//! Robots in maps of ROS stay inside of these maps.
 
 use envgen::Seed;
 use envgen::import::ros_map::{RosDescription, RosMode, UnknownCells};
@@ -43,7 +43,7 @@ fn robots_stay_inside_maps_with_open_borders() {
         let p = map.origin.to_local(pose.position);
         assert!(p.x > 0.0 && p.x < size[0] && p.y > 0.0 && p.y < size[1], "{p} is outside");
     }
-    // It mapped the hall; beyond the gateway nothing is to be mapped.
+    // The robot mapped the hall. Beyond the gateway there is nothing to map.
     let truth = trial.reference(&world).expect("a start");
     let scores = trial.score(&truth).expect("scores");
     assert!(scores.coverage > 0.8, "{}", scores.coverage);

@@ -51,7 +51,7 @@ fn a_person_stops_a_robot_and_is_seen() {
         Trial::builder(&world, settings(60.0)).scenario(scenario).build_flat().expect("a trial");
     let ahead = Command { speed: 0.5, turn_rate: 0.0 };
     assert!(trial.step_with(&[ahead]));
-    // 2.75 m to the person's front, less where the laser is.
+    // The front of the person is at 2.75 m, less the offset of the laser.
     let laser = trial.settings().body.laser_pose(Pose::new(2.0, 3.0, 0.0));
     let seen = trial.autonomy().scan(0).ranges[90];
     assert!((seen - (4.75 - laser.position.x)).abs() < 0.05, "{seen}");
@@ -82,7 +82,7 @@ fn smoke_hides_what_is_beyond_its_range() {
         assert!(trial.step());
         trial.autonomy().scan(0).ranges.clone()
     };
-    // A SICK of 30 m sees 4 m in smoke of 0.5 per metre.
+    // A SICK with a range of 30 m sees 4 m in smoke of 0.5 per metre.
     let reach = smoke_range(30.0, 0.5);
     assert!((reach - 4.0).abs() < 0.05, "{reach}");
     let none = scan(FailedBeams::None);

@@ -21,7 +21,7 @@ fn room() -> World {
     world_of(&walls)
 }
 
-/// FNV-1a over the cells of a map, in the order of their places, and the poses of a robot.
+/// FNV-1a digest of the cells of a map, ordered by their positions, and of the poses of a robot.
 fn digest(slam: &dyn Slam) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut feed = |word: u64| {
@@ -53,13 +53,14 @@ fn golden() {
     let drive = Drive::new(&world_of(&walls), &path, &LaserProfile::LMS200_MM_ROUGH);
     let recording = drive.record(&OdometryProfile::SKID, 7);
     let found = SlamKind::ALL.map(|kind| digest(&*recording.replay(kind)));
-    // A change here changes every trial: it has to be meant.
+    // A change here changes every trial, so it must be intended.
     assert_eq!(found, GOLDEN, "{found:#x?}");
 }
 
 const GOLDEN: [u64; 3] = [0xe8b4_b174_b646_58c5, 0x639f_2211_4820_cb52, 0x639f_2211_4820_cb52];
 
-/// The drive above closes no loop: both estimators give the same. This one comes back after 400 m.
+/// The drive above closes no loop, so that both estimators give the same. This one comes back after 400
+/// m.
 #[test]
 fn golden_of_a_closed_loop() {
     let walls = corridor_loop(120.0, 80.0, true);
@@ -72,7 +73,7 @@ fn golden_of_a_closed_loop() {
     assert_eq!(found, GOLDEN_LOOP, "{found:#x?}");
 }
 
-/// A seed of the wheels and the laser with which the pose graph closes the loop.
+/// A seed of the wheels and the laser for which the pose graph closes the loop.
 const CLOSES: u64 = 6;
 
 const GOLDEN_LOOP: [u64; 2] = [0xf125_d7ab_2f1e_ee0f, 0xa5bd_bf07_306f_71d7];
@@ -83,7 +84,7 @@ fn kinds_are_named_in_files() {
     assert_eq!(names, ["\"dead_reckoning\"", "\"scan_to_map\"", "\"pose_graph\""]);
 }
 
-/// Share of the free cells of a map that are free in the world, and how many there are.
+/// Fraction of the free cells of a map that are free in the world, and the number of free cells.
 fn free_cells(map: &OccupancyMap, world: &World) -> (f64, usize) {
     let (mut all, mut right) = (0, 0);
     for row in 0..180 {
@@ -140,18 +141,18 @@ fn robots_share_one_map() {
             assert!(slam.estimate(i).deviation > 0.0);
             assert_eq!(slam.trajectory(i).len(), 201);
         }
-        // Behind the wall between them each would see only its own half.
+        // Because of the wall between them, each robot alone would see only its own half.
         let (right, count) = free_cells(slam.map(), &world);
         assert!(right > 0.99 && count > 25_000, "{kind:?}: {right} of {count}");
-        // Robots that there are not change nothing.
+        // Robots that do not exist change nothing.
         let revision = slam.map().revision();
         slam.step(9, &seen(Increment::default(), Some(Scan { ranges: vec![1.0; 181] })));
         assert!(slam.trajectory(9).is_empty() && slam.map().revision() == revision);
     }
 }
 
-/// A hall whose walls are out of sight for most of the path: the error is corrected where they
-/// come into sight again.
+/// In a hall whose walls are out of sight for most of the path, the error is corrected where they come
+/// into sight again.
 #[test]
 fn walls_are_found_again_after_a_path_on_the_wheels() {
     let world = world_of(&frame(0.0, 0.0, 30.0, 30.0));
@@ -171,8 +172,9 @@ fn walls_are_found_again_after_a_path_on_the_wheels() {
     assert!(lost > 1.0 && found < 0.2, "{lost} m on the wheels, {found} m with walls");
 }
 
-/// A room with pillars, where walls hold the pose, and then a bare corridor, where the wheels alone measure
-/// the distance: with wheels that measure 4 % too much, what was learned in the room counts in the corridor.
+/// The world has a room with pillars, where walls hold the pose, and then a bare corridor, where the
+/// wheels alone measure the distance. The wheels measure 4 % too much. What is learned in the room is
+/// used in the corridor.
 #[test]
 fn what_the_wheels_measure_too_long_is_learned_in_a_room_and_used_in_a_corridor() {
     let mut walls = vec![
@@ -212,7 +214,7 @@ fn what_the_wheels_measure_too_long_is_learned_in_a_room_and_used_in_a_corridor(
 
 #[test]
 fn cells_decay_to_free_when_what_stood_there_is_gone() {
-    // The wheels say that the robot goes to and fro: each keyframe draws again.
+    // By the wheels the robot drives to and fro, so that each keyframe draws again.
     let scan = |range: f64| Scan { ranges: vec![range; 181] };
     let mut slam = SlamKind::DeadReckoning.build(
         &[Pose::default()],

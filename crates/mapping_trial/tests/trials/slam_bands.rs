@@ -1,20 +1,20 @@
-//! How far estimators are off in places of known kinds: the median error of the trajectory over 24
-//! seeds, with the wheels of a skid-steered robot, against what a pilot study saw.
+//! Errors of estimators in places of known kinds: the median trajectory error over 24 seeds, with the
+//! wheels of a skid-steered robot, compared with the results of a pilot study.
 //!
 //! | place | laser | pilot | here | |
 //! |---|---|---|---|---|
-//! | bare corridor loop | 8 m | 0.66 m | 0.12 m | bettered |
-//! | with door frames | 8 m | 0.23 m | 0.10 m | bettered |
+//! | bare corridor loop | 8 m | 0.66 m | 0.12 m | better |
+//! | with door frames | 8 m | 0.23 m | 0.10 m | better |
 //! | with door frames | 20 m | 0.12 m | 0.06 m | met |
-//! | hall with boxes | 8 m | 0.48 m | 0.05 m | bettered |
-//! | hall with boxes | 20 m | 0.11 m | 0.03 m | bettered |
+//! | hall with boxes | 8 m | 0.48 m | 0.05 m | better |
+//! | hall with boxes | 20 m | 0.11 m | 0.03 m | better |
 //! | six dead ends | 8 m | 0.04 m | 0.04 m | met |
 //!
-//! Met is within a factor of two. The pilot took a match as it is, which is pulled back along bare
-//! walls by some percent of the path; with that our errors were the pilot's within a factor of 1.3
-//! (0.76, 0.20, 0.10 and 0.046 m; halls 0.20 and 0.035 m, where its boxes are not known). Now the
-//! wheels count where walls hold nothing, and the errors are smaller. They must not become larger than
-//! one and a half times what is reached here: the bands are one-sided.
+//! Met means within a factor of two. The pilot used matches as they are, which are pulled back along
+//! bare walls by some percent of the path. With that, our errors were those of the pilot within a
+//! factor of 1.3 (0.76, 0.20, 0.10 and 0.046 m; halls 0.20 and 0.035 m, where the boxes of the pilot
+//! are not known). Now the wheels count where walls hold nothing, and the errors are smaller. They must
+//! not become larger than one and a half times what is reached here: the bands are one-sided.
 
 use crate::drive::{Drive, Recording, frame, rect, world_of};
 use envgen::geometry::{Pose, Rect};
@@ -23,7 +23,7 @@ use mapping_trial::lidar::LaserProfile;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::slam::{Slam, SlamKind};
 
-/// Runs of each kind.
+/// Number of runs of each kind.
 const SEEDS: u64 = 24;
 
 fn points(list: &[(f64, f64)]) -> Vec<DVec2> {
@@ -34,8 +34,8 @@ fn long_range() -> LaserProfile {
     LaserProfile { max_range: 20.0, ..LaserProfile::LMS200_MM }
 }
 
-/// A corridor of 2 m around a block, `width` x `height` metres over all; with door frames 0.12 m
-/// deep, 1 m wide and 5 m apart on both sides.
+/// A corridor of 2 m around a block, `width` x `height` metres in all. Its door frames, if any, are
+/// 0.12 m deep, 1 m wide and 5 m apart on both sides.
 pub(crate) fn corridor_loop(width: f64, height: f64, with_frames: bool) -> Vec<Rect> {
     let mut walls = frame(0.0, 0.0, width, height);
     walls.push(rect(2.0, 2.0, width - 2.0, height - 2.0));
@@ -56,14 +56,14 @@ pub(crate) fn corridor_loop(width: f64, height: f64, with_frames: bool) -> Vec<R
     walls
 }
 
-/// Once around, and 5 m on.
+/// A path once around, and `on` metres further.
 pub(crate) fn around(width: f64, height: f64, on: f64) -> Vec<DVec2> {
     let (right, top) = (width - 1.0, height - 1.0);
     points(&[(4.0, 1.0), (right, 1.0), (right, top), (1.0, top), (1.0, 1.0), (4.0 + on, 1.0)])
 }
 
-/// Ten boxes of 1 m in the centre, and a path around along the walls, from where an 8 m laser sees
-/// one or two of them at times.
+/// A hall with ten boxes of 1 m in the centre, and a path around along the walls, from where an 8 m
+/// laser sees one or two of the boxes at times.
 fn hall() -> (Vec<Rect>, Vec<DVec2>) {
     let mut walls = frame(0.0, 0.0, 30.0, 20.0);
     for x in [9.0, 12.0, 15.0, 18.0, 21.0] {
@@ -76,7 +76,8 @@ fn hall() -> (Vec<Rect>, Vec<DVec2>) {
     (walls, path)
 }
 
-/// A corridor of 42 m with six dead ends of 8 m on one side, each of which is driven in and out.
+/// A corridor of 42 m with six dead ends of 8 m on one side, into and out of each of which the robot
+/// drives.
 fn dead_ends() -> (Vec<Rect>, Vec<DVec2>) {
     let mut walls =
         vec![rect(-0.2, -0.2, 42.2, 0.0), rect(-0.2, 0.0, 0.0, 2.0), rect(42.0, 0.0, 42.2, 2.0)];
@@ -94,8 +95,8 @@ fn dead_ends() -> (Vec<Rect>, Vec<DVec2>) {
     (walls, points(&path))
 }
 
-/// Root mean square of the distances between the estimated and the true positions, in metres,
-/// in the start's frame.
+/// Root mean square of the distances in metres between the estimated and the true positions, in the
+/// start's frame.
 fn error(recording: &Recording, slam: &dyn Slam) -> f64 {
     let estimated = slam.trajectory(0);
     let truth = &recording.drive.truth;
@@ -104,8 +105,8 @@ fn error(recording: &Recording, slam: &dyn Slam) -> f64 {
     (estimated.iter().zip(truth).map(distance2).sum::<f64>() / truth.len() as f64).sqrt()
 }
 
-/// How far the end is off in metres, relative to the point nearest to it in the first half of
-/// the path: by so much a map shows walls twice when the robot comes back.
+/// The error at the end in metres, relative to the point nearest to it in the first half of the path.
+/// By this much a map shows walls twice when the robot comes back.
 fn gap(recording: &Recording, slam: &dyn Slam) -> f64 {
     let estimated = slam.trajectory(0);
     let truth = &recording.drive.truth;
@@ -124,8 +125,8 @@ pub(crate) fn median(values: &[f64]) -> f64 {
     if values.len() % 2 == 1 { values[half] } else { 0.5 * (values[half - 1] + values[half]) }
 }
 
-/// Of one kind of estimator, the error of the trajectory and the gap where it ends, in metres, for
-/// every seed.
+/// Errors of one kind of estimator for every seed: that of the trajectory and the gap where it ends, in
+/// metres.
 #[derive(Debug, Default)]
 pub(crate) struct Errors {
     pub(crate) errors: Vec<f64>,
@@ -156,7 +157,7 @@ fn scan_to_map(walls: &[Rect], path: &[DVec2], laser: &LaserProfile) -> f64 {
     median(&errors((walls, path), laser, &[SlamKind::ScanToMap], SEEDS)[0].errors)
 }
 
-/// At most half as much again as the table above says is reached.
+/// Checks that an error is at most half as much again as in the table above.
 fn assert_band(error: f64, reached: f64) {
     assert!(error <= 1.5 * reached, "{error} m, {reached} m were reached");
 }

@@ -1,4 +1,4 @@
-//! Water: seen and kept away from, unless the robot is blind to it.
+//! Water, which robots see and avoid, unless they are blind to it.
 
 use std::thread;
 
@@ -59,11 +59,11 @@ fn who_is_blind_to_water_drowns() {
     assert!(drowned.count() > 0);
 }
 
-/// Maps that are driven.
+/// Number of maps that are driven.
 const MAPS: u64 = 10;
 
-/// Of the hardest maps of the thesis most have water, on narrow walkways through which robots have to
-/// go; nearly all of them ended in it while robots were blind. None of the 10 may.
+/// Most of the thesis's hardest maps have water, and narrow walkways through it that robots have to
+/// use. While robots were blind to water, nearly all of them ended in it. None of the 10 may.
 #[test]
 fn no_robot_drowns_in_the_hardest_maps() {
     let drive = |seed| {
