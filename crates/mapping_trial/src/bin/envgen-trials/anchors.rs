@@ -1,4 +1,4 @@
-//! `envgen-trials anchors`.
+//! The subcommand `envgen-trials anchors`.
 
 use std::error::Error;
 

@@ -1,4 +1,4 @@
-//! `envgen-trials atlas`.
+//! The subcommand `envgen-trials atlas`.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};

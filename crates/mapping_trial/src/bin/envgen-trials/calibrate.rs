@@ -1,4 +1,4 @@
-//! `envgen-trials calibrate`.
+//! The subcommand `envgen-trials calibrate`.
 
 use std::collections::BTreeSet;
 use std::error::Error;
@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
     let design = arguments.design.read()?;
     let survey = design.survey(&panel)?;
-    // In any order, but each share once.
+    // The shares may be in any order, but each occurs once.
     let of = arguments.atlas.len() as u32;
     let mut missing: BTreeSet<u32> = (1..=of).collect();
     let mut folders = Vec::new();
@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         folders.push(open(&survey, path, Shard { index, of }, arguments.partial)?);
     }
     let mut records: Vec<&Record> = folders.iter().flat_map(SurveyFolder::records).collect();
-    // As those of one folder, whatever the shares were.
+    // The order is that of a single folder, whatever the shares were.
     records.sort_by_key(|record| (record.map, record.condition, record.noise));
     let spinner = spinner("fitting");
     let samples = samples(&survey, &records, &scale)?;
@@ -93,14 +93,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A folder whose trials are all finished, or some of them.
+/// Opens a folder whose trials are all finished, or only some of them.
 fn open(
     survey: &Survey,
     path: &Path,
     shard: Shard,
     partial: bool,
 ) -> Result<SurveyFolder, Box<dyn Error>> {
-    // It is only read: none is begun.
+    // The folder is only read, so that none is begun.
     if !path.is_dir() {
         return Err(format!("{}: there is no such folder", path.display()).into());
     }

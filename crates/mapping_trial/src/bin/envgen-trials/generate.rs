@@ -1,4 +1,4 @@
-//! `envgen-trials generate`.
+//! The subcommand `envgen-trials generate`.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -42,7 +42,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// The spec, for the robots of the panel: anchors take minutes, so it is checked before.
+    /// The spec, for the robots of the panel. It is checked before the anchors, which take minutes.
     fn spec(&self, panel: &Panel) -> Result<IndoorSpec, Box<dyn Error>> {
         let mut spec =
             WorldSpec::from(IndoorSpec { profile: Profile::Calibrated, ..Default::default() });
@@ -78,14 +78,14 @@ impl Arguments {
             checked => checked?,
         }
         spec.request().check(&spec, spec.reachable())?;
-        // Dials that are reachable alone may not be together.
+        // Dials that can be reached alone may not be reachable together.
         spec.candidates(self.seed).map_err(|error| Usage(error.to_string()))?;
         Ok(spec)
     }
 }
 
-/// The radius of the largest robot of a panel in whole centimetres, and at least that of the robot for which maps
-/// usually are.
+/// The radius of the largest robot of a panel in whole centimetres, and at least that of the default
+/// robot of maps.
 fn robot_radius(panel: &Panel) -> f64 {
     let radii = panel.conditions.iter().map(|condition| condition.robot.circumscribed_radius);
     let largest = radii.fold(0.0, f64::max);
@@ -93,7 +93,8 @@ fn robot_radius(panel: &Panel) -> f64 {
     ((100.0 * largest - 1e-9).ceil() / 100.0).max(IndoorSpec::default().robot_radius)
 }
 
-/// Refuses formats that cannot hold an indoor map, before any trial is run: they hold its first candidate or none.
+/// Rejects formats that cannot hold an indoor map, before any trial runs. A format that cannot hold the
+/// first candidate can hold none.
 fn check_formats(outputs: &[Output], spec: &IndoorSpec, seed: Seed) -> Result<(), Box<dyn Error>> {
     let plan = spec.generate(seed)?;
     let (world, blueprint) = (plan.to_world(), WorldBlueprint::Indoor(plan));
@@ -142,7 +143,7 @@ fn text(found: &Verified, request: Request, reachable: Dials<[f64; 2]>) -> Strin
     text
 }
 
-/// What the race measured of each candidate, by each dial that is requested.
+/// Formats what the race measured of each candidate, by each requested dial.
 fn race(request: Request, race: &[Dials<Estimate>]) -> String {
     let requested = request.0.named().into_iter().enumerate().filter_map(|(i, (name, wanted))| {
         wanted?;
@@ -152,7 +153,7 @@ fn race(request: Request, race: &[Dials<Estimate>]) -> String {
     requested.collect::<Vec<String>>().join("; ")
 }
 
-/// Each dial as it was measured; beside those that are requested, the request and what the settings reach.
+/// Formats each measured dial; for requested dials, with the request and the range of the settings.
 fn compared(
     request: Request,
     measured: Dials<(f64, [f64; 2])>,
@@ -167,7 +168,7 @@ fn compared(
     })
 }
 
-/// A statement for each requested dial whose measured interval is not near the request.
+/// Returns a statement for each requested dial whose measured interval is not near the request.
 fn missed(request: Request, measured: Dials<(f64, [f64; 2])>) -> Vec<String> {
     let dials = request.0.zip(measured).named();
     let missed = dials.into_iter().filter_map(|(name, (wanted, (_, [low, high])))| {

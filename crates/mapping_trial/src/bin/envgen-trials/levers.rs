@@ -1,4 +1,4 @@
-//! `envgen-trials levers`.
+//! The subcommand `envgen-trials levers`.
 
 use std::error::Error;
 use std::fmt::Write;

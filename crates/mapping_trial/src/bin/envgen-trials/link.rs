@@ -1,4 +1,4 @@
-//! `envgen-trials link`.
+//! The subcommand `envgen-trials link`.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
 struct Session {
     report: PathBuf,
     operator: String,
-    /// Where the world comes from, such as `indoor, seed 3`.
+    /// Description of the world, such as `indoor, seed 3`.
     world: String,
     world_digest: String,
     ratings: Dials<Rating>,
@@ -44,7 +44,7 @@ struct Session {
     panel: PanelDifficulty,
 }
 
-/// What is printed.
+/// The output.
 #[derive(Serialize)]
 struct Links {
     sessions: Vec<Session>,
@@ -86,11 +86,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if arguments.json { stdout::print_json(&links) } else { Ok(stdout::print(&text(&links))?) }
 }
 
-/// A session, or why it is not linked.
+/// Reads a session, or returns why it is not linked.
 fn session(path: &Path) -> Result<Result<Session, String>, Box<dyn Error>> {
     let text = read::text(path)?;
     let report: TrialReport = serde_json::from_str(&text).in_file(path)?;
-    // Of the path as a whole: a name alone has no folder.
+    // The absolute path is needed, since a name alone has no folder.
     let whole = std::path::absolute(path).in_file(path)?;
     let folder = whole.parent().and_then(Path::file_name).unwrap_or_default();
     if folder.to_string_lossy().ends_with("_training") {

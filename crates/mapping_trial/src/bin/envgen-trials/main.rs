@@ -1,7 +1,7 @@
-//! The command `envgen-trials`: measures how difficult worlds are, makes worlds of a measured difficulty, and scores
-//! maps that others made.
+//! The command `envgen-trials`, which measures how difficult worlds are, generates worlds of a measured
+//! difficulty, and scores maps from elsewhere.
 //!
-//! Exit codes: 0 done, 1 the work failed, 2 bad arguments.
+//! Exit codes: 0 success, 1 failure, 2 invalid arguments.
 
 mod anchors;
 mod atlas;

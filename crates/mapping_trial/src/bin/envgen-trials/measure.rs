@@ -1,4 +1,4 @@
-//! `envgen-trials measure`.
+//! The subcommand `envgen-trials measure`.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -42,17 +42,17 @@ pub(crate) struct Arguments {
     panel: PanelOptions,
 }
 
-/// What is printed as JSON.
+/// The output as JSON.
 #[derive(Serialize)]
 struct Report {
-    /// Where the world comes from, such as `indoor, seed 3`.
+    /// Description of the world, such as `indoor, seed 3`.
     world: String,
     measurement: Measurement,
-    /// The percentage of the atlas's worlds that are easier, by each dial; absent for other panels than the
-    /// reference, and for kinds that are not calibrated.
+    /// Percentage of the atlas's worlds that are easier, by each dial; absent for panels other than the
+    /// reference panel, and for kinds that are not calibrated.
     percentiles: Option<Dials<f64>>,
-    /// What the calibration says of the world; absent for other panels than the reference, for kinds that are not
-    /// calibrated, and for worlds without a difficulty vector.
+    /// The prediction of the calibration; absent for panels other than the reference panel, for kinds
+    /// that are not calibrated, and for worlds without a difficulty vector.
     prediction: Option<Prediction>,
 }
 
@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     }
     bar.finish_and_clear();
     let measurement = measuring.finish(&scale).ok_or("the panel has no condition")?;
-    // Atlases and predictions are of the reference panel.
+    // Atlases and predictions are for the reference panel.
     let calibration = Calibration::of_world(&world).filter(|_| panel == Panel::reference());
     warn_of_coverage(&measurement);
     let values = measurement.measured.dials.map(|dial| dial.value);

@@ -1,4 +1,4 @@
-//! The panel that drives, and its scale.
+//! The panel whose trials measure difficulty, and its scale.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -116,7 +116,8 @@ impl PanelOptions {
             mapping_trial::driver::command(line).in_option("--driver", line)?;
             change(&mut panel, &format!("driver {line}"), |one| {
                 one.name = driven_by("driver", one);
-                // The policy does not drive: with one for all, conditions that differ by it alone are one.
+                // The policy does not drive. With the same one in all conditions, those that differed
+                // in it alone become one.
                 one.policy = Condition::default().policy;
                 one.driver = Some(line.clone());
             });
@@ -124,7 +125,7 @@ impl PanelOptions {
         Ok(panel)
     }
 
-    /// The scale of a panel, whose anchors are measured if need be.
+    /// Returns the scale of a panel. Its anchors are measured if needed.
     pub(crate) fn scale(&self, panel: &Panel, threads: usize) -> Result<Scale, Box<dyn Error>> {
         let is_asked_for = self.anchors.is_some() || self.anchor_seeds.is_some();
         if *panel == Panel::reference() && !is_asked_for {
@@ -144,7 +145,8 @@ impl PanelOptions {
     }
 }
 
-/// Why the scale of a panel may be another than it seems: anchors that its robots cannot map, or not all of.
+/// Returns why the scale of a panel may be another than it seems: its robots cannot map some anchors, or
+/// only parts of them.
 fn warnings<'a>(
     anchors: &Anchors,
     panel: &Panel,
@@ -168,7 +170,8 @@ fn warnings<'a>(
     failed.into_iter().chain(narrow).collect()
 }
 
-/// Changes every condition of a panel, of which those that are now the same are one, and adds to its name what changed.
+/// Changes every condition of a panel, merges those that are now the same, and adds the change to the
+/// panel's name.
 fn change(panel: &mut Panel, what: &str, change: impl Fn(&mut Condition)) {
     let before = panel.conditions.clone();
     panel.conditions.iter_mut().for_each(change);
@@ -177,7 +180,7 @@ fn change(panel: &mut Panel, what: &str, change: impl Fn(&mut Condition)) {
     }
     panel.name = format!("{}, {what}", panel.name);
     panel.drop_repeated();
-    // Others may be called the same now.
+    // Other conditions may have the same name now.
     for i in 1..panel.conditions.len() {
         let (known, rest) = panel.conditions.split_at_mut(i);
         let Some(own) = rest.first_mut() else { continue };
@@ -188,7 +191,8 @@ fn change(panel: &mut Panel, what: &str, change: impl Fn(&mut Condition)) {
     }
 }
 
-/// What a condition is called with another driver: the policy in its name, if it is there, is replaced.
+/// Returns the name of a condition with another driver, which replaces the policy in the name, if it is
+/// there.
 fn driven_by(driver: &str, condition: &Condition) -> String {
     let policy = policy_name(condition.policy);
     match condition.name.split_once(", ") {
@@ -198,8 +202,8 @@ fn driven_by(driver: &str, condition: &Condition) -> String {
     }
 }
 
-/// The name of a condition with another laser: what came after the first part of the name is of the one before where it
-/// says so.
+/// Returns the name of a condition with another laser. What follows the first part of the name is
+/// dropped if it refers to the laser before.
 fn sensed_by(laser: &str, condition: &Condition) -> String {
     match condition.name.split_once(", ") {
         Some((first, rest)) if OF_LASERS.contains(&rest) || rest == condition.laser => {
@@ -209,7 +213,7 @@ fn sensed_by(laser: &str, condition: &Condition) -> String {
     }
 }
 
-/// What the conditions of the reference panel are named after, beside the policy.
+/// What the conditions of the reference panel are named after, besides the policy.
 const OF_LASERS: [&str; 3] = ["lms200_mm", "rough", "short"];
 
 #[cfg(test)]

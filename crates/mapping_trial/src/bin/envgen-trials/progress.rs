@@ -1,11 +1,12 @@
-//! Progress on a terminal.
+//! Progress bars on a terminal.
 
 use std::io::IsTerminal;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar of trials on stderr, of which some were finished before; hidden where that is no terminal.
+/// A progress bar of trials on stderr, some of which were finished before. It is hidden if stderr is
+/// not a terminal.
 pub(crate) fn trials(count: u64, finished: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

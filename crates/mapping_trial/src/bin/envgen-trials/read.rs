@@ -6,10 +6,10 @@ use std::path::Path;
 
 use envgen::located::{Locate, Located};
 
-/// The longest text that is read, in bytes: what has no end must not fill the memory.
+/// Greatest length of a text that is read, in bytes, so that an endless file does not fill the memory.
 const LONGEST: u64 = 1 << 28;
 
-/// The text of a file.
+/// Reads the text of a file.
 pub(crate) fn text(path: &Path) -> Result<String, Located<io::Error>> {
     read(path).in_file(path)
 }

@@ -1,4 +1,4 @@
-//! `envgen-trials score`.
+//! The subcommand `envgen-trials score`.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -25,7 +25,7 @@ use crate::stdout;
 use crate::usage::Usage;
 use crate::warning::warn;
 
-/// The least share of a map's free cells that are ground in a map without a warning.
+/// Least fraction of a map's free cells that have to be ground for no warning.
 const LEAST_GROUND: f64 = 0.5;
 
 #[derive(Args)]
@@ -77,18 +77,18 @@ enum Frame {
     World,
 }
 
-/// What is printed as JSON.
+/// The output as JSON.
 #[derive(Serialize)]
 struct Report {
-    /// Where the world comes from, such as `indoor, seed 3`.
+    /// Description of the world, such as `indoor, seed 3`.
     world: String,
     /// Digest of the world's geometry.
     world_digest: String,
-    /// The pose of the map's frame in the world's, in which it is scored.
+    /// Pose of the map's frame in the world's frame, for which the map is scored.
     frame: Pose,
     /// The scores of the map.
     map: MapScores,
-    /// M, from 0 to 10, 10 being the most difficult; absent without a trajectory.
+    /// M, from 0 to 10, where 10 is the most difficult; absent without a trajectory.
     mapping: Option<f64>,
     /// The scores of the trajectory; absent if none is given.
     trajectory: Option<Trajectory>,
@@ -99,13 +99,13 @@ struct Report {
 struct Trajectory {
     /// Number of poses that are scored.
     poses: usize,
-    /// Number of poses before the first true one or after the last.
+    /// Number of poses before the first true pose or after the last one.
     outside: usize,
-    /// In the frame of the map.
+    /// Scores in the frame of the map.
     as_is: TrajectoryScores,
-    /// After the motion of the plane with which the errors of the positions are least.
+    /// Scores after the alignment, for which the position errors are least.
     aligned: TrajectoryScores,
-    /// The pose of the trajectory's frame in the world's after that motion.
+    /// Pose of the trajectory's frame in the world's frame after the alignment.
     alignment: Pose,
 }
 
@@ -168,7 +168,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if arguments.json { stdout::print_json(&report) } else { Ok(stdout::print(&text(&report))?) }
 }
 
-/// The share of the free cells of a map that are ground which the robot can cover.
+/// The fraction of a map's free cells that are ground which the robot can cover.
 fn ground_share(ros_map: &RosMap, scores: &MapScores) -> f64 {
     let free = ros_map.cells.iter().filter(|cell| **cell == RosCell::Free).count() as f64;
     let free_area = free * ros_map.resolution * ros_map.resolution;
@@ -179,7 +179,8 @@ fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {
     Ok(tum::read(&read::text(path)?).in_file(path)?)
 }
 
-/// Scores the estimated poses of each robot against the true ones at their times. All estimates are in one frame, that of the map.
+/// Scores the estimated poses of each robot against the true ones at the same times. All estimates are
+/// in the frame of the map.
 fn score(
     robots: &[(Vec<TimedPose>, Vec<TimedPose>)],
     frame: Pose,
@@ -222,7 +223,7 @@ fn score(
     })
 }
 
-/// A pose such as `1.5,-2,90`.
+/// Parses a pose such as `1.5,-2,90`.
 fn pose(text: &str) -> Result<Pose, String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     match numbers.as_deref() {

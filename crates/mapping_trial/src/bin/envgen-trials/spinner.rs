@@ -1,11 +1,11 @@
-//! Progress of work whose length is not known. The examples of the workspace show it as well.
+//! Progress of work of unknown length. The examples of the workspace use it as well.
 
 use std::io::IsTerminal;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A spinner with the time so far on stderr; hidden where that is no terminal.
+/// A spinner with the elapsed time on stderr. It is hidden if stderr is not a terminal.
 pub(crate) fn spinner(what: &'static str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

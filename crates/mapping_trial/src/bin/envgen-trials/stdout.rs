@@ -1,4 +1,4 @@
-//! What the command prints.
+//! Output to stdout.
 
 use std::error::Error;
 use std::io::{self, ErrorKind, Write};
@@ -6,7 +6,7 @@ use std::io::{self, ErrorKind, Write};
 use envgen::located::Located;
 use serde::Serialize;
 
-/// Writes a text to stdout. That its reader closed it early, as `head` does, is no error.
+/// Writes a text to stdout. It is no error if the reader closes stdout early, as `head` does.
 pub(crate) fn print(text: &str) -> Result<(), Located<io::Error>> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

@@ -9,7 +9,7 @@ use mapping_trial::experiment::survey::{Survey, SurveyFolder};
 
 use crate::progress;
 
-/// Runs all trials of a share of a survey that its folder does not have yet.
+/// Runs all trials of a share of a survey that its folder does not hold yet.
 pub(crate) fn run(
     survey: &Survey,
     folder: &Path,

@@ -1,4 +1,4 @@
-//! Which errors are of the arguments.
+//! Errors in the arguments.
 
 use std::error::Error;
 
@@ -8,12 +8,12 @@ use envgen::located::Located;
 use envgen::{SettingsError, SpecError};
 use thiserror::Error;
 
-/// Arguments that do not fit.
+/// Arguments that are not valid.
 #[derive(Debug, Error)]
 #[error("{0}")]
 pub(crate) struct Usage(pub(crate) String);
 
-/// Whether an error is of the arguments, as the command `envgen` counts them.
+/// Whether an error is in the arguments, by the rules of the command `envgen`.
 pub(crate) fn is_usage(error: &(dyn Error + 'static)) -> bool {
     error.is::<Usage>()
         || error.is::<SpecError>()

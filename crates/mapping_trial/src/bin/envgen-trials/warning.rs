@@ -4,7 +4,7 @@ use std::io::Write;
 
 use mapping_trial::difficulty::Measurement;
 
-/// The least mean coverage of trials without a warning.
+/// Least mean coverage of trials for no warning.
 const LEAST_COVERAGE: f64 = 0.5;
 
 /// Prints a warning.
@@ -12,12 +12,12 @@ pub(crate) fn warn(text: &str) {
     print(&format!("warning: {text}"));
 }
 
-/// Prints a line. That this fails cannot be reported anywhere.
+/// Prints a line. If this fails, there is nowhere to report it.
 pub(crate) fn print(line: &str) {
     writeln!(std::io::stderr(), "{line}").ok();
 }
 
-/// Warns of trials that covered little: the scores of what was driven say nothing of the rest.
+/// Warns about trials that covered little: their scores say nothing about the rest of the world.
 pub(crate) fn warn_of_coverage(measurement: &Measurement) {
     let shares = measurement.conditions.iter().map(|one| one.coverage);
     let coverage = shares.sum::<f64>() / measurement.conditions.len() as f64;
