@@ -1,19 +1,21 @@
-//! The proof that maps are as difficult as requested: maps are generated for difficulties spread over what
-//! their size reaches, and measured by trials of robots that the calibration knows, and of others.
+//! The proof that maps are as difficult as requested. Maps are generated for requests that are spread
+//! over the range of difficulties of their size. They are measured by trials under the conditions of
+//! the calibration and under others.
 //!
 //! ```text
 //! cargo run --release --example difficulty_proof -- --quick
 //! cargo run --release --example difficulty_proof
 //! ```
 //!
-//! Every finished trial is on disk at once: the same command continues an interrupted run. The output folder
-//! gets `report.html`, its figures as `requested_8.svg` and so on, and `summary.json`, the same to the last byte
-//! whatever the number of threads and however often it was interrupted.
+//! Every finished trial is written to disk at once, so that the same command continues an interrupted
+//! run. The output folder gets `report.html`, its figures as `requested_8.svg` and so on, and
+//! `summary.json`. They are the same to the last byte, whatever the number of threads, and however
+//! often the run was interrupted.
 //!
 //! # Many machines
 //!
-//! `--shard I/N` runs a share of the maps, `--merge` joins the shares into the same report. With the same other
-//! arguments in every job, and when they are merged:
+//! `--shard I/N` runs a share of the maps, and `--merge` merges the shares into the same report. All
+//! jobs, and the merge, have the same other arguments:
 //!
 //! ```text
 //! difficulty_proof --maps 32 --threads 1 --shard 1/2 --out out/part1

@@ -1,5 +1,5 @@
-//! Spawns a world of every kind side by side in a headless Bevy app, runs physics for 500 fixed
-//! steps with a moving robot in each, casts rays and prints the results.
+//! Spawns a world of every kind side by side in a headless Bevy app, runs physics for 500 fixed steps
+//! with a moving robot in each, casts rays, and prints the results.
 //!
 //! `cargo run --release --example headless_world`
 
@@ -14,7 +14,7 @@ use bevy_envgen::envgen::raycast::Raycaster;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{parts, spawn_ready, step, test_app};
 
-/// Rays of a robot's scanner, and their range in metres.
+/// Number of rays of a robot's scanner, and their range in metres.
 const RAYS: usize = 16;
 const RANGE: f32 = 20.0;
 
@@ -50,7 +50,7 @@ fn main() -> Result {
         };
         println!("  after 500 steps the robot is {:.2} m from its start", to.distance(from));
 
-        // The ranges of its scanner, by rapier and exact.
+        // The ranges of its scanner, by Rapier and exact.
         let see = move |rapier: ReadRapierContext| scan(&rapier, robot, to.truncate());
         let ranges: Vec<f32> = match app.world_mut().run_system_once(see) {
             Ok(ranges) => ranges,
@@ -76,7 +76,7 @@ fn angle(ray: usize) -> f32 {
     std::f32::consts::TAU * ray as f32 / RAYS as f32
 }
 
-/// The ranges of rays in all directions.
+/// Returns the ranges of rays in all directions.
 fn scan(rapier: &ReadRapierContext, robot: Entity, from: Vec2) -> Result<Vec<f32>> {
     let rapier = rapier.single()?;
     let filter = QueryFilter::default().exclude_sensors().exclude_collider(robot);

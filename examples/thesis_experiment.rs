@@ -1,21 +1,21 @@
-//! The experiment of O. Zwennes, *Adaptive Indoor Map Generator for USARSim* (2011), replayed with
-//! exploration policies as operators: do the rules order maps by difficulty, and which rule is to
-//! blame if not?
+//! Replays the experiment of O. Zwennes, *Adaptive Indoor Map Generator for USARSim* (2011), with
+//! exploration policies as operators. Do the rules order maps by difficulty, and if not, which rule is
+//! to blame?
 //!
 //! ```text
 //! cargo run --release --example thesis_experiment -- --quick
 //! cargo run --release --example thesis_experiment -- --maps 10 --seeds 3
 //! ```
 //!
-//! Every finished trial is on disk at once: the same command continues an interrupted run. The
-//! output folder gets `report.html`, `summary.json`,
-//! `trials.csv` and `trials.parquet`, the same to the last byte whatever the number of threads and
-//! however often it was interrupted.
+//! Every finished trial is written to disk at once, so that the same command continues an interrupted
+//! run. The output folder gets `report.html`, `summary.json`, `trials.csv` and `trials.parquet`. They
+//! are the same to the last byte, whatever the number of threads, and however often the run was
+//! interrupted.
 //!
 //! # Many machines
 //!
-//! `--shard I/N` runs a share of the trials, `--merge` joins the shares into the same report. With
-//! the same other arguments in every job:
+//! `--shard I/N` runs a share of the trials, and `--merge` merges the shares into the same report. All
+//! jobs have the same other arguments:
 //!
 //! ```text
 //! # GNU parallel, here or over ssh
@@ -126,7 +126,7 @@ struct Arguments {
     out: PathBuf,
 }
 
-/// How to run on many machines, under `--help`.
+/// The help on running on many machines, which `--help` shows.
 const JOBS: &str = "\
 On many machines, with the same other options in every job:
 
@@ -155,7 +155,7 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let threads = usize::from(arguments.threads);
     if let Some(first) = arguments.merge.first() {
         if !arguments.hazards.is_empty() {
-            // Before anything is written.
+            // This is checked before anything is written.
             hazards::check(&SurveyFolder::survey_of(first)?, &arguments.hazards)?;
             let folder = SurveyFolder::merge(&arguments.out, &arguments.merge)?;
             return print_costs(&arguments.hazards, &folder);
@@ -184,13 +184,14 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     Ok(())
 }
 
-/// Says that a share is finished: its results are not those of all.
+/// Prints that a share is finished, since its results are not those of all trials.
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn say_finished(shard: Shard, folder: &Path) {
     println!("share {shard} is finished: {}", folder.display());
 }
 
-/// Runs the maps with and without each hazard, and prints what each costs; of a share that it is finished.
+/// Runs the maps with and without each hazard, and prints the cost of each; for a share, prints that it
+/// is finished.
 fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     let hazards = &arguments.hazards;
     let survey = hazards::survey(design, hazards)?;
@@ -209,7 +210,7 @@ fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     print_costs(hazards, &folder)
 }
 
-/// Prints what each hazard costs.
+/// Prints the cost of each hazard.
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn print_costs(hazards: &[Hazard], folder: &SurveyFolder) -> Result<(), ExperimentError> {
     let survey = folder.survey();
@@ -261,7 +262,7 @@ impl Arguments {
     }
 }
 
-/// Prints how much there is to do.
+/// Prints how many trials there are to run.
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn announce(experiment: &Experiment) {
     let (design, all) = (experiment.design(), experiment.trials());
@@ -285,7 +286,7 @@ fn announce(experiment: &Experiment) {
     }
 }
 
-/// A bar with the time left on stderr; nothing if that is not a terminal.
+/// A progress bar with the remaining time on stderr. It is hidden if stderr is not a terminal.
 fn bar(trials: u64, finished: u64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

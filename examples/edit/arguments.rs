@@ -39,24 +39,25 @@ pub(crate) struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// The most parts of a world that the window edits: each change draws and checks them again.
+/// Greatest number of parts of a world that the window edits. Each change draws and checks all of them
+/// again.
 const MOST_PARTS: usize = 200_000;
 
-/// What the window starts with.
+/// The initial state of the window.
 pub(crate) struct Opened {
     pub(crate) document: Document,
     /// The rooms that can be added.
     pub(crate) catalogue: Catalogue,
-    /// Kind and seed, or the file's name.
+    /// Kind and seed, or the name of the file.
     pub(crate) name: String,
     /// The file to save to.
     pub(crate) out: PathBuf,
-    /// What was left out, for the person.
+    /// A note to the person about what was left out.
     pub(crate) note: Option<String>,
 }
 
 impl Arguments {
-    /// Opens the world. All mistakes name the option or the file.
+    /// Opens the world. All errors name the option or the file.
     pub(crate) fn open(&self) -> Result<Opened, Box<dyn Error>> {
         let path = Path::new(&self.what);
         let kind = self.what.parse::<WorldKind>();

@@ -1,4 +1,4 @@
-//! What holds of the world, computed on other threads after every change.
+//! Findings about the world, computed on other threads after every change.
 
 use std::sync::Arc;
 
@@ -7,11 +7,11 @@ use envgen::World;
 use envgen::calibration::Prediction;
 use envgen::edit::{Audit, Document, predict};
 
-/// The last findings, which may be of an earlier state, and those that are being computed.
+/// The last findings, which may be for an earlier state, and those that are being computed.
 #[derive(Default)]
 pub(crate) struct Auditing {
     pub(crate) audit: Latest<Audit>,
-    /// Takes longer, so that what cannot be reached does not wait for it.
+    /// The prediction, which takes longer. What is out of reach does not wait for it.
     pub(crate) prediction: Latest<Option<Prediction>>,
 }
 
@@ -21,7 +21,7 @@ impl Auditing {
         self.audit.is_running() || self.prediction.is_running()
     }
 
-    /// Takes what is finished, and starts what is to be found of the present state.
+    /// Takes finished results, and starts the computations for the present state.
     pub(crate) fn poll(&mut self, document: &Document, revision: u64) {
         let promises = || document.promises();
         self.audit.poll(revision, || {
@@ -35,10 +35,10 @@ impl Auditing {
     }
 }
 
-/// A finding of the last state for which it is known.
+/// A finding for the last state for which it is known.
 pub(crate) struct Latest<T> {
     found: Option<T>,
-    /// The state that it is of.
+    /// The state for which it holds.
     revision: u64,
     running: Option<(u64, Task<T>)>,
 }
@@ -50,17 +50,18 @@ impl<T> Default for Latest<T> {
 }
 
 impl<T: Send + 'static> Latest<T> {
-    /// The finding, if there is one yet.
+    /// Returns the finding, if there is one yet.
     pub(crate) fn get(&self) -> Option<&T> {
         self.found.as_ref()
     }
 
-    /// Whether it is not of the present state.
+    /// Whether it is not for the present state.
     pub(crate) fn is_running(&self) -> bool {
         self.running.is_some()
     }
 
-    /// One computation at a time: states between the one that is running and the present one are left out.
+    /// Runs one computation at a time. States between the one that is running and the present one are
+    /// skipped.
     fn poll<F: FnOnce() -> T + Send + 'static>(&mut self, revision: u64, job: impl FnOnce() -> F) {
         if let Some((of, task)) = &mut self.running {
             let Some(found) = block_on(future::poll_once(task)) else { return };

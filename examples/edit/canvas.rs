@@ -1,4 +1,4 @@
-//! The plan: what the pointer does on it.
+//! The canvas with the plan, and the actions of the pointer on it.
 
 use bevy_mapping_trial::ui::egui;
 use egui::{PointerButton, Sense, Ui};
@@ -10,13 +10,13 @@ use crate::painting::{self, Ghost};
 use crate::session::{Drag, Session};
 use crate::tools::Tool;
 
-/// How far from a thing the pointer may be, in points.
+/// Greatest distance in points of the pointer from what it selects.
 const REACH: f64 = 4.0;
 
-/// Objects are moved by multiples of this, in metres.
+/// Objects are moved by multiples of this distance, in metres.
 const STEP: f64 = 0.05;
 
-/// How much a step of the wheel changes the zoom.
+/// Change of the zoom per step of the wheel.
 const ZOOM_A_POINT: f64 = 0.002;
 
 /// Shows the canvas, and carries out what the person does on it.
@@ -50,7 +50,7 @@ pub(crate) fn show(ui: &mut Ui, session: &mut Session) {
     painting::paint(ui, session, ghost.as_ref());
 }
 
-/// The middle and the right button move the plan, the wheel zooms.
+/// Moves the plan with the middle and the right button, and zooms with the wheel.
 fn navigate(ui: &Ui, response: &egui::Response, session: &mut Session) {
     for button in [PointerButton::Middle, PointerButton::Secondary] {
         if response.dragged_by(button) {
@@ -74,7 +74,7 @@ fn select(ui: &Ui, response: &egui::Response, session: &mut Session, reach: f64)
         && let Some(from) = pressed.map(|p| session.view.to_world(p))
     {
         let seen = session.seen_at(from);
-        // What is selected is moved even where something else lies on it.
+        // The selected thing is moved even if something else lies on it.
         let selected = session.selected.filter(|&target| {
             session.document.outline(target).is_some_and(|shape| shape.distance(seen) <= reach)
         });
@@ -100,7 +100,7 @@ fn select(ui: &Ui, response: &egui::Response, session: &mut Session, reach: f64)
     }
 }
 
-/// The change that the end of a drag makes.
+/// Returns the change that the end of a drag makes.
 fn moved(session: &Session, drag: Drag, to: DVec2) -> Option<Change> {
     let by = to - drag.from;
     let is_room = matches!(drag.target, Target::Plan(PlanTarget::Room(_)));
@@ -108,7 +108,7 @@ fn moved(session: &Session, drag: Drag, to: DVec2) -> Option<Change> {
     session.document.moved(drag.target, by)
 }
 
-/// Whether a room or part gets to another place.
+/// Whether a room or part changes its position.
 fn is_move(session: &Session, change: &Change) -> bool {
     let Change::Plan(edit) = change else { return true };
     match **edit {
@@ -122,7 +122,7 @@ fn is_move(session: &Session, change: &Change) -> bool {
     }
 }
 
-/// Adds cells of hallway along the pointer, or removes them if the first is one.
+/// Adds cells of hallways along the pointer, or removes them if the first one is a hallway.
 fn paint(ui: &Ui, response: &egui::Response, session: &mut Session) {
     let Some(at) = response.interact_pointer_pos() else {
         session.tools.paints = None;
@@ -138,7 +138,7 @@ fn paint(ui: &Ui, response: &egui::Response, session: &mut Session) {
         return;
     };
     let adds = matches!(&change, Change::Plan(edit) if matches!(**edit, Edit::AddHallway { .. }));
-    // Along a drag, what is in its path stays without complaint.
+    // During a drag, what cannot be changed is skipped without a message.
     if session.tools.paints.is_none() || session.document.test(change.clone()).is_ok() {
         session.change(change, at);
     }
@@ -153,14 +153,14 @@ fn click(session: &mut Session, at: DVec2) {
     }
 }
 
-/// The change that a click makes at a point of the floor. Doorways are opened and closed where a wall is seen, all else
-/// is put onto the floor.
+/// Returns the change that a click at a point of the floor makes. Doorways are opened and closed where
+/// a wall is seen; everything else is put onto the floor.
 fn change_at(session: &mut Session, at: DVec2) -> Option<Result<Change, String>> {
     let at = if session.tools.tool == Tool::Doorway { session.seen_at(at) } else { at };
     session.tools.change_at(&session.document, &session.catalogue, at)
 }
 
-/// What a click at a point, or the end of the drag there, would do.
+/// Returns what a click at a point, or the end of the drag there, would do.
 fn ghost(session: &mut Session, at: DVec2) -> Option<Ghost> {
     let change = match session.drag {
         Some(drag) => Ok(moved(session, drag, at)?),

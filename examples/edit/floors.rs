@@ -1,4 +1,4 @@
-//! The floors of rooms in the colours of their difficulty, as in the pictures of worlds.
+//! Floors of rooms in the colours of their difficulty, as in pictures of worlds.
 
 use bevy::prelude::*;
 use envgen::geometry::Shape;
@@ -7,17 +7,17 @@ use envgen::palette::{self, Srgb};
 
 use crate::session::Session;
 
-/// Above the floors of `EnvgenVisualsPlugin`, and below everything that is on them.
+/// Height of the floors: above those of `EnvgenVisualsPlugin`, and below everything on them.
 const LAYER: f32 = 0.0155;
 
-/// Share of white in them, so that what is marked on them is seen.
+/// Fraction of white in the colours, so that marks on the floors are visible.
 const PALE: f32 = 0.45;
 
 /// The floor of a room.
 #[derive(Component)]
 pub(crate) struct Floor;
 
-/// Lays the floors of the present world.
+/// Spawns the floors of the present world.
 pub(crate) fn lay(
     session: Res<Session>,
     mut laid: Local<u64>,

@@ -14,8 +14,8 @@ pub(crate) struct Held {
     shift: bool,
 }
 
-/// Carries out the keys in the order in which they were pressed: in a long frame, a modifier may be down for one of
-/// them and up again at its end.
+/// Carries out the keys in the order in which they were pressed. In a long frame, a modifier may be
+/// down for one of them and up again at the end.
 pub(crate) fn act(
     mut session: ResMut<Session>,
     mut inputs: MessageReader<KeyboardInput>,

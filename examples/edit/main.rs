@@ -1,4 +1,5 @@
-//! A window to change worlds by hand: rooms, hallways and doorways of indoor maps, and the parts of any other world.
+//! Opens a window in which worlds are edited: rooms, hallways and doorways of indoor maps, and the
+//! parts of any other world.
 //!
 //! ```text
 //! cargo run --release --features window --example edit -- indoor --seed 3
@@ -6,10 +7,10 @@
 //! cargo run --release --features window --example edit -- forest --seed 2 --set width=20
 //! ```
 //!
-//! The keys 1 to 5 choose a tool: select and move, room, hallway, doorway, object. R turns, Delete removes, Ctrl+Z
-//! undoes, Ctrl+Shift+Z and Ctrl+Y redo, Ctrl+S saves, T opens the world in a trial, V tilts the plan, which Q and E
-//! turn, G shows the grid, F everything, Esc stops, Ctrl+Q closes. The wheel zooms; dragging with the middle or right
-//! button moves the plan.
+//! The keys 1 to 5 choose a tool: select and move, room, hallway, doorway, object. R turns, Delete
+//! removes, Ctrl+Z undoes, Ctrl+Shift+Z and Ctrl+Y redo, and Ctrl+S saves. T opens the world in a
+//! trial, V tilts the plan, Q and E turn the tilted plan, G shows the grid, F shows everything, Esc
+//! stops, and Ctrl+Q closes. The wheel zooms; dragging with the middle or right button moves the plan.
 
 mod arguments;
 mod auditing;
@@ -55,18 +56,18 @@ use crate::samples::samples;
 use crate::session::Session;
 use crate::view::WorldCamera;
 
-/// What is drawn where the world is solid ground, or ends.
+/// Colour where the world is solid ground, or ends.
 const GROUND: Color = Color::srgb(0.80, 0.81, 0.83);
 
 fn main() -> ExitCode {
     window::exit_code(run(&Arguments::parse()))
 }
 
-/// Opens the window. Mistakes in the command line are reported before.
+/// Opens the window. Errors in the command line are reported before.
 fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let opened = arguments.open()?;
     let _display = window::find_display()?;
-    // The session closes the window, once changes are saved or given up.
+    // The session closes the window, once changes are saved or discarded.
     let window = WindowPlugin { close_when_requested: false, ..window::titled("envgen: edit") };
     let mut app = App::new();
     app.add_plugins((
@@ -82,7 +83,7 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     .add_systems(Startup, spawn_cameras)
     .add_systems(
         Update,
-        // The world is drawn in the frame of its change.
+        // The world is drawn in the same frame in which it changes.
         (
             keys::act,
             session::poll,
@@ -98,12 +99,12 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     Ok(app.run())
 }
 
-/// Why the window changes without inputs.
+/// Reasons for which the window changes without inputs.
 fn activity(session: Res<Session>) -> Activity {
     Activity { moves: false, computes: session.auditing.is_running() }
 }
 
-/// The camera of the world, and that of the panels over it.
+/// Spawns the camera of the world, and that of the panels over it.
 fn spawn_cameras(
     adapter: Res<RenderAdapterInfo>,
     mut settings: ResMut<EguiGlobalSettings>,
@@ -129,7 +130,7 @@ fn spawn_cameras(
         Camera {
             order: 1,
             output_mode: CameraOutputMode::Write {
-                // What egui draws has its opacity multiplied in.
+                // The colours of egui are premultiplied by their opacity.
                 blend_state: Some(BlendState::PREMULTIPLIED_ALPHA_BLENDING),
                 clear_color: ClearColorConfig::None,
             },

@@ -1,4 +1,4 @@
-//! What is drawn over the world: the grid, names, what is out of reach, and what is being done.
+//! Drawings over the world: the grid, names, what is out of reach, and the change that is being made.
 
 use bevy_mapping_trial::ui::egui;
 use egui::{Color32, FontId, Painter, Pos2, Rgba, Stroke, StrokeKind, Ui};
@@ -7,7 +7,7 @@ use envgen::glam::DVec2;
 
 use crate::session::Session;
 
-/// Text on the plan.
+/// Colour of text on the plan.
 pub(crate) const INK: Color32 = Color32::from_rgb(0x22, 0x26, 0x2e);
 const GRID: Color32 = Color32::from_black_alpha(36);
 pub(crate) const UNREACHED: Color32 = Color32::from_rgb(0xc4, 0x00, 0x94);
@@ -15,24 +15,25 @@ pub(crate) const ERROR: Color32 = Color32::from_rgb(0xb0, 0x1e, 0x1e);
 const ALLOWED: Color32 = Color32::from_rgb(0x0c, 0x6b, 0x3c);
 const SELECTED: Color32 = Color32::from_rgb(0x0b, 0x5c, 0xc4);
 
-/// Lines of the grid nearer than this, in points, are left out.
+/// Least distance in points between lines of the grid. Denser ones are left out.
 const LEAST_CELL: f64 = 6.0;
 
-/// Squares that are out of reach and narrower than this, in points, are left out: they are many.
+/// Least width in points of squares that are out of reach. Narrower ones are left out, since they are
+/// many.
 const LEAST_SQUARE: f64 = 0.5;
 
-/// Rooms narrower than this, in points, have no name.
+/// Least width in points of rooms whose names are drawn.
 const LEAST_NAMED: f64 = 46.0;
 
 /// Width of texts at the pointer in points.
 const NOTE_WIDTH: f32 = 300.0;
 
-/// A color that lets through what is below it: light is what the window mixes.
+/// A translucent colour. The window mixes light, not colour values.
 fn clear(color: Color32, opacity: f32) -> Color32 {
     (Rgba::from(color) * opacity).into()
 }
 
-/// What a click or the end of a drag would do.
+/// A preview of what a click or the end of a drag would do.
 pub(crate) struct Ghost {
     pub(crate) outline: Option<Shape>,
     /// Why it is not allowed.
@@ -95,7 +96,7 @@ fn grid(painter: &Painter, session: &Session) {
     lines(min.y, max.y).for_each(|y| line(DVec2::new(min.x, y), DVec2::new(max.x, y)));
 }
 
-/// Places that cannot be reached light up.
+/// Highlights places that are out of reach.
 fn unreached(painter: &Painter, session: &Session) {
     let Some(audit) = session.auditing.audit.get() else { return };
     let Ok(Some(places)) = &audit.unreached else { return };
@@ -118,7 +119,7 @@ fn unreached(painter: &Painter, session: &Session) {
     }
 }
 
-/// The names of rooms that are wide enough.
+/// Draws the names of rooms that are wide enough.
 fn names(painter: &Painter, session: &Session) {
     let area = session.view.area();
     for room in &session.document.world().rooms {
@@ -150,7 +151,7 @@ fn draw(painter: &Painter, session: &Session, shape: &Shape, fill: Color32, stro
             let corners: Vec<Pos2> = shape.corners().into_iter().map(place).collect();
             painter.add(egui::Shape::convex_polygon(corners, fill, stroke));
         }
-        // It may not be convex.
+        // The polygon may not be convex.
         Shape::Polygon { vertices } => {
             let corners: Vec<Pos2> = vertices.iter().map(|&v| place(v)).collect();
             painter.add(egui::Shape::closed_line(corners, stroke));
@@ -158,7 +159,7 @@ fn draw(painter: &Painter, session: &Session, shape: &Shape, fill: Color32, stro
     }
 }
 
-/// A short text beside a point, inside of the canvas.
+/// Draws a short text beside a point, inside of the canvas.
 fn note(painter: &Painter, session: &Session, text: &str, at: DVec2) {
     let galley =
         painter.layout(text.to_owned(), FontId::proportional(13.0), Color32::WHITE, NOTE_WIDTH);
@@ -172,7 +173,7 @@ fn note(painter: &Painter, session: &Session, text: &str, at: DVec2) {
     painter.galley(corner + egui::vec2(6.0, 4.0), galley, Color32::WHITE);
 }
 
-/// A small plan of a room in the list of rooms.
+/// Draws a small plan of a room in the list of rooms.
 pub(crate) fn thumbnail(painter: &Painter, place: egui::Rect, room: &envgen::indoor::RoomDesign) {
     let size = room.size();
     let scale = (f64::from(place.width()) / size.x).min(f64::from(place.height()) / size.y);

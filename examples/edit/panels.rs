@@ -20,10 +20,10 @@ use crate::{canvas, painting};
 const LEFT: f32 = 268.0;
 const RIGHT: f32 = 252.0;
 
-/// Window height in points at which texts have their normal size; they grow with the window.
+/// Window height in points at which texts have their normal size. They grow with the window.
 const PLAIN_HEIGHT: f32 = 800.0;
 
-/// Height of the list of rooms, as a share of the panel's.
+/// Height of the list of rooms, as a fraction of the panel's height.
 const ROOMS: f32 = 0.52;
 
 /// Side of a room's small plan in the list.
@@ -32,7 +32,7 @@ const THUMBNAIL: f32 = 38.0;
 const GOOD: Color32 = Color32::from_rgb(0x0c, 0x6b, 0x3c);
 const WARNING: Color32 = Color32::from_rgb(0x9a, 0x5b, 0x00);
 
-/// Draws everything that is not the world, and carries out the person's actions.
+/// Draws everything except the world, and carries out the person's actions.
 pub(crate) fn panels(
     mut contexts: EguiContexts,
     window: Single<&Window>,
@@ -72,7 +72,7 @@ pub(crate) fn panels(
     Ok(())
 }
 
-/// Name, undo and redo, saving, the trial.
+/// The name, undo and redo, saving, and the trial.
 fn file(ui: &mut Ui, session: &mut Session) {
     ui.add_space(4.0);
     ui.horizontal(|ui| {
@@ -108,7 +108,7 @@ fn file(ui: &mut Ui, session: &mut Session) {
         let mut shown = edit.show(ui);
         let response = shown.response.response;
         if response.gained_focus() {
-            // All of it, to be typed over.
+            // All of the text is selected, so that typing replaces it.
             let all = CCursorRange::two(CCursor::new(0), CCursor::new(letters));
             shown.state.cursor.set_char_range(Some(all));
             shown.state.store(ui.ctx(), response.id);
@@ -188,7 +188,7 @@ fn rooms(ui: &mut Ui, session: &mut Session) {
     });
 }
 
-/// The object that is to be added.
+/// The object to be added.
 fn object(ui: &mut Ui, session: &mut Session) {
     let is_plan = session.document.plan().is_some();
     ui.weak(if is_plan {
@@ -211,7 +211,7 @@ fn object(ui: &mut Ui, session: &mut Session) {
     }
 }
 
-/// What is selected, and what can be done with it.
+/// The selection, and the actions on it.
 fn selection(ui: &mut Ui, session: &mut Session) {
     ui.add_space(4.0);
     let Some(target) = session.selected else {
@@ -245,7 +245,7 @@ fn selection(ui: &mut Ui, session: &mut Session) {
     });
 }
 
-/// What holds of the world, and what is out of reach.
+/// The claims about the world, and what is out of reach.
 fn findings(ui: &mut Ui, session: &Session) {
     ui.horizontal(|ui| {
         ui.strong("Certificate");
@@ -308,7 +308,7 @@ fn findings(ui: &mut Ui, session: &Session) {
     ui.weak(format!("for a robot of radius {} m, from the start", audit.radius));
 }
 
-/// The difficulty that trials are predicted to measure.
+/// The predicted difficulty by trials.
 fn difficulty(ui: &mut Ui, session: &Session) {
     let prediction = &session.auditing.prediction;
     ui.horizontal(|ui| {
@@ -352,7 +352,7 @@ fn status(ui: &mut Ui, session: &Session) {
     });
 }
 
-/// What is to happen with changes that are not saved.
+/// The question about changes that are not saved.
 fn question(context: &egui::Context, session: &mut Session) {
     let mut answer = None;
     Modal::new("question".into()).show(context, |ui| {

@@ -1,4 +1,4 @@
-//! Files: a document in every format that worlds can be written in.
+//! Saving documents to files in every format for worlds.
 
 use std::error::Error;
 use std::path::Path;
@@ -13,11 +13,11 @@ use envgen::world::Contents;
 /// The folder of files for which no name was given.
 pub(crate) const FOLDER: &str = "out/edit";
 
-/// Writes a document in the format that the ending of the file's name gives, whole or not at all, and says what was
-/// written.
+/// Writes a document as a whole or not at all, in the format that the ending of the file's name
+/// selects, and returns what was written.
 pub(crate) fn save(document: &Document, path: &Path) -> Result<String, Box<dyn Error>> {
     let format = Format::from_path(path)?;
-    // Others must exist: a mistyped name makes no folders.
+    // Other folders must exist, so that a mistyped name creates no folder.
     if path.parent() == Some(Path::new(FOLDER)) {
         create_folder(FOLDER.as_ref()).in_file(FOLDER.as_ref())?;
     }

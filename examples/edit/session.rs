@@ -1,4 +1,4 @@
-//! What is edited, and the person's actions.
+//! The session: the edited document, and the person's actions.
 
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
@@ -21,13 +21,13 @@ use crate::tools::{Tool, Tools};
 use crate::trial::Trials;
 use crate::view::{Placed, View};
 
-/// Seconds for which a refusal is shown where it happened.
+/// Time in seconds for which a refusal is shown where it happened.
 const REFUSAL: f64 = 4.0;
 
-/// Angle by which everything but rooms is turned.
+/// Angle by which everything except rooms is turned.
 pub(crate) const TURN: f64 = FRAC_PI_2 / 6.0;
 
-/// What was refused, and where.
+/// A change that was refused, and its position.
 pub(crate) struct Refusal {
     pub(crate) text: String,
     pub(crate) at: DVec2,
@@ -41,7 +41,7 @@ pub(crate) struct Drag {
     pub(crate) from: DVec2,
 }
 
-/// What a question before the window closes is answered with.
+/// The answer to the question that is asked before the window closes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Answer {
     Save,
@@ -55,32 +55,32 @@ pub(crate) struct Session {
     pub(crate) document: Document,
     pub(crate) catalogue: Catalogue,
     pub(crate) name: String,
-    /// The file to save to, as it is typed.
+    /// The file to save to, as typed.
     pub(crate) out: String,
     pub(crate) tools: Tools,
     pub(crate) view: View,
     pub(crate) selected: Option<Target>,
-    /// The bodies that the tilted view shows, of a revision.
+    /// The bodies that the tilted view shows, with their revision.
     bodies: Option<(u64, BodyRaycaster)>,
     /// What is at the pointer.
     pub(crate) hovered: Option<Target>,
     /// The point of the world at the pointer.
     pub(crate) pointer: Option<DVec2>,
     pub(crate) drag: Option<Drag>,
-    /// Where the last click changed something: until the pointer leaves, the next change is not shown.
+    /// Where the last click changed something. The next change is not shown until the pointer leaves.
     pub(crate) done_at: Option<DVec2>,
     pub(crate) refusal: Option<Refusal>,
     pub(crate) auditing: Auditing,
     pub(crate) trials: Trials,
     pub(crate) grid: bool,
-    /// Whether the window is to be closed, and changes are not saved.
+    /// Whether the window is to be closed although changes are not saved.
     pub(crate) asks: bool,
     pub(crate) closes: bool,
     /// The last event, in one line.
     pub(crate) message: String,
-    /// Why the last file could not be written, or the last trial not be opened.
+    /// Why the last file could not be written, or why the last trial could not be opened.
     pub(crate) failure: Option<String>,
-    /// Number of states so far: what is drawn and audited is of one of them.
+    /// Number of states so far. What is drawn and audited belongs to one of them.
     pub(crate) revision: u64,
     now: f64,
 }
@@ -117,7 +117,7 @@ impl Session {
         session
     }
 
-    /// Has the tilted view show the highest part.
+    /// Makes the tilted view show the highest part.
     fn measure_height(&mut self) {
         let tops = pieces(self.document.world()).into_iter().map(|piece| piece.form.extent().top());
         self.view.set_height(tops.fold(0.0, f64::max));
@@ -128,8 +128,8 @@ impl Session {
         self.view.canvas()
     }
 
-    /// The point of the plan that is seen where a point of the floor would be: in the tilted view, what is before it
-    /// may hide it.
+    /// Returns the point of the plan that is seen where a point of the floor would be. In the tilted
+    /// view, something in front may hide it.
     pub(crate) fn seen_at(&mut self, floor: DVec2) -> DVec2 {
         if !self.view.is_tilted() {
             return floor;
@@ -145,7 +145,7 @@ impl Session {
         hit.map_or(floor, |hit| (from + direction * hit.distance).truncate())
     }
 
-    /// Makes a change; a refusal is shown at a point.
+    /// Makes a change. If it is refused, this is shown at a point.
     pub(crate) fn change(&mut self, change: Change, at: DVec2) -> bool {
         match self.document.apply(change) {
             Ok(target) => {
@@ -181,14 +181,14 @@ impl Session {
 
     fn changed(&mut self) {
         self.revision += 1;
-        // What is dragged may have another number now.
+        // The dragged thing may have another number now.
         self.drag = None;
         self.measure_height();
         self.refusal = None;
         self.message.clear();
     }
 
-    /// Turns what is selected, or the room or object that is to be added.
+    /// Turns the selection, or the room or object that is to be added.
     pub(crate) fn turn(&mut self, angle: f64) {
         if self.tools.tool.adds() {
             self.tools.turn(angle);
@@ -202,7 +202,7 @@ impl Session {
         }
     }
 
-    /// Removes what is selected.
+    /// Removes the selection.
     pub(crate) fn remove(&mut self) {
         let Some(target) = self.selected else { return };
         let at = self.place_of(target);
@@ -223,7 +223,7 @@ impl Session {
         }
     }
 
-    /// Stops what is being done.
+    /// Cancels the current action.
     pub(crate) fn cancel(&mut self) {
         if self.drag.take().is_none() {
             self.choose(Tool::Select);
@@ -232,7 +232,7 @@ impl Session {
         self.refusal = None;
     }
 
-    /// Writes the document to its file; whether that was possible.
+    /// Writes the document to its file. Returns whether this was possible.
     pub(crate) fn save(&mut self) -> bool {
         let saved = saving::save(&self.document, Path::new(self.out.trim()));
         let is_saved = saved.is_ok();
@@ -276,7 +276,7 @@ pub(crate) struct Shown {
     revision: u64,
 }
 
-/// Shows the world as it is now.
+/// Shows the present world.
 pub(crate) fn show(
     session: Res<Session>,
     mut shown: Query<(Entity, &mut Shown)>,
@@ -303,12 +303,12 @@ pub(crate) fn follow(session: Res<Session>, window: Single<&Window>, mut cameras
     session.view.place(&window, &mut cameras);
 }
 
-/// The world cannot be shown: the panel says why.
+/// Shows in the panel why the world cannot be shown.
 pub(crate) fn show_failure(failed: On<EnvironmentFailed>, mut session: ResMut<Session>) {
     session.failure = Some(failed.error.to_string());
 }
 
-/// Counts time, forgets old refusals, takes the results of other threads and programs.
+/// Counts time, removes old refusals, and takes the results of other threads and programs.
 pub(crate) fn poll(mut session: ResMut<Session>, time: Res<Time<Real>>) {
     let session = session.bypass_change_detection();
     session.now = time.elapsed_secs_f64();
@@ -321,7 +321,7 @@ pub(crate) fn poll(mut session: ResMut<Session>, time: Res<Time<Real>>) {
     }
 }
 
-/// Closes the window when it is to be closed.
+/// Closes the window if requested.
 pub(crate) fn close(
     mut session: ResMut<Session>,
     mut requests: MessageReader<bevy::window::WindowCloseRequested>,

@@ -1,4 +1,4 @@
-//! What the pointer does on the plan.
+//! The tools of the pointer on the plan.
 
 use envgen::edit::{Change, Document, NewPart, WorldEdit};
 use envgen::geometry::{Pose, Shape, wrap_angle};
@@ -22,7 +22,7 @@ pub(crate) enum Tool {
 }
 
 impl Tool {
-    /// All, in the order of their keys, with what they do.
+    /// All tools in the order of their keys, with descriptions.
     pub(crate) const ALL: [(Tool, &'static str, &'static str); 5] = [
         (Tool::Select, "Select", "Click selects, dragging moves (1)"),
         (Tool::Room, "Room", "Click puts the chosen room there, R turns it (2)"),
@@ -75,7 +75,7 @@ impl Piece {
         (Piece::Goal, "goal"),
     ];
 
-    /// Those that a document takes.
+    /// Returns those that can be added to a document.
     pub(crate) fn all(is_plan: bool) -> impl Iterator<Item = (Piece, &'static str)> {
         let of_worlds = Self::OF_WORLDS.into_iter().filter(move |_| !is_plan);
         Self::OBSTACLES.into_iter().chain(of_worlds)
@@ -87,7 +87,7 @@ impl Piece {
         found.map_or("", |(_, name)| name)
     }
 
-    /// Whether it has a length and a width; a tree has a width alone.
+    /// Returns the number of its sizes: length and width, or only the width of a tree.
     pub(crate) fn sizes(self) -> usize {
         match self {
             Piece::Obstacle(_) | Piece::Wall | Piece::Doorway => 2,
@@ -97,20 +97,20 @@ impl Piece {
     }
 }
 
-/// The tool in use, and the settings of all.
+/// The current tool, and the settings of all tools.
 pub(crate) struct Tools {
     pub(crate) tool: Tool,
     is_plan: bool,
     /// The room to add, by its index in the catalogue.
     pub(crate) room: usize,
-    /// Its quarter turns counter-clockwise.
+    /// Quarter turns of the room, counter-clockwise.
     quarters: u8,
     pub(crate) piece: Piece,
     /// Length and width of the object in metres.
     pub(crate) size: [f64; 2],
-    /// Its heading in radians.
+    /// Heading of the object in radians.
     heading: f64,
-    /// Whether a drag adds cells of hallway, or removes them.
+    /// Whether a drag adds cells of hallways or removes them.
     pub(crate) paints: Option<bool>,
 }
 
@@ -128,12 +128,12 @@ impl Tools {
         }
     }
 
-    /// Whether the document takes what a tool does.
+    /// Whether a tool can change the document.
     pub(crate) fn has(&self, tool: Tool) -> bool {
         self.is_plan || matches!(tool, Tool::Select | Tool::Object)
     }
 
-    /// Turns what is to be added: a room by a quarter.
+    /// Turns what is to be added. Rooms turn by a quarter.
     pub(crate) fn turn(&mut self, angle: f64) {
         match self.tool {
             Tool::Room => self.quarters = (self.quarters + if angle < 0.0 { 3 } else { 1 }) % 4,
@@ -141,7 +141,8 @@ impl Tools {
         }
     }
 
-    /// The change that a click makes at a point, if the tool makes one; or why it makes none there.
+    /// Returns the change that a click at a point makes, if the tool makes one, or why it makes none
+    /// there.
     pub(crate) fn change_at(
         &self,
         document: &Document,
@@ -165,7 +166,7 @@ impl Tools {
         }
     }
 
-    /// The change that adds or removes a cell of hallway; `None` where there is nothing to do.
+    /// Returns the change that adds or removes a cell of a hallway; `None` if there is nothing to do.
     pub(crate) fn paint(
         &self,
         document: &Document,
@@ -182,7 +183,7 @@ impl Tools {
         }
     }
 
-    /// Puts a room with its middle near a point, inside of the grid.
+    /// Places a room with its middle near a point, inside of the grid.
     fn add_room(&self, document: &Document, room: &SharedRoom, p: DVec2) -> Result<Change, String> {
         let plan = document.plan().ok_or("only plans have rooms")?;
         let (room, quarters) = (room.clone(), self.quarters);

@@ -1,4 +1,4 @@
-//! Trials on the edited world, in the program `teleop`.
+//! Trials in the edited world, in the program `teleop`.
 
 use std::env::consts::EXE_SUFFIX;
 use std::error::Error;
@@ -11,10 +11,10 @@ use tempfile::TempDir;
 
 use crate::saving;
 
-/// The program that runs trials, beside this one.
+/// Name of the program that runs trials, which is beside this one.
 const PROGRAM: &str = "teleop";
 
-/// The trials that were opened; their worlds are files that are removed at the end.
+/// The opened trials. Their worlds are files that are removed at the end.
 #[derive(Default)]
 pub(crate) struct Trials {
     folder: Option<TempDir>,
@@ -23,8 +23,8 @@ pub(crate) struct Trials {
 }
 
 impl Trials {
-    /// Saves the world to a file of its own and opens a trial on it, if the program is there; says which command does
-    /// it otherwise.
+    /// Saves the world to a file of its own and opens a trial in it, if the program exists. Otherwise,
+    /// returns the command that does it.
     pub(crate) fn open(&mut self, document: &Document) -> Result<String, Box<dyn Error>> {
         if self.folder.is_none() {
             self.folder = Some(tempfile::Builder::new().prefix("envgen-edit-").tempdir()?);
@@ -48,7 +48,7 @@ impl Trials {
         }
     }
 
-    /// A trial that has failed, if one has.
+    /// Returns the error of a trial that has failed, if there is one.
     pub(crate) fn poll(&mut self) -> Option<String> {
         let mut failure = None;
         self.running.retain_mut(|child| match child.try_wait() {

@@ -1,5 +1,6 @@
-//! What part of the world the window shows, and from where: the plan from above, or the world tilted, as seen in the
-//! direction of a slope from far away. In both, a point of the floor is at one point of the window.
+//! The view: which part of the world the window shows, and from where. It shows the plan from above, or
+//! the tilted world, as seen from far away in a sloping direction. In both, each point of the floor
+//! corresponds to one point of the window.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -9,31 +10,31 @@ use bevy_mapping_trial::ui::egui;
 use envgen::geometry::{Rect as WorldRect, unit_vector};
 use envgen::glam::{DVec2, DVec3};
 
-/// Metres per point, from nearest to farthest.
+/// Metres per point, from the nearest to the farthest zoom.
 const ZOOM: (f64, f64) = (1e-3, 1e3);
 
-/// Share of the canvas that a whole world fills.
+/// Fraction of the canvas that a whole world fills.
 const FILLED: f64 = 0.92;
 
-/// The direction of the tilted view: along the floor and down, 53 degrees.
+/// Direction of the tilted view, along the floor and down: 53 degrees.
 const ALONG: f64 = 0.6;
 const DOWN: f64 = 0.8;
 
-/// Angle between the directions from which the tilted view shows the world.
+/// Angle between the directions from which the tilted view can show the world.
 const TURN: f64 = FRAC_PI_4;
 
-/// How far above everything the tilted view begins, in metres.
+/// Distance in metres above everything at which the tilted view begins.
 const ABOVE: f64 = 1.0;
 
-/// The part of the world in the window's canvas.
+/// The part of the world that the window's canvas shows.
 pub(crate) struct View {
-    /// The point of the floor in the middle of the canvas.
+    /// Point of the floor in the middle of the canvas.
     center: DVec2,
-    /// Whether the world is seen tilted, else from above.
+    /// Whether the world is seen tilted; otherwise it is seen from above.
     tilted: bool,
-    /// By how many steps the tilted view is turned counter-clockwise.
+    /// Number of steps by which the tilted view is turned counter-clockwise.
     turns: i32,
-    /// The height above the floor at which the tilted view begins, in metres.
+    /// Height above the floor, in metres, at which the tilted view begins.
     ceiling: f64,
     /// Metres of the world per point of the canvas.
     scale: f64,
@@ -41,14 +42,14 @@ pub(crate) struct View {
     canvas: egui::Rect,
     /// Pixels per point.
     density: f32,
-    /// What is to be shown whole, as soon as the canvas is known.
+    /// An area to be shown as a whole, as soon as the canvas is known.
     fit: Option<WorldRect>,
-    /// The point of the world at the origin of the app, near which single precision is exact enough.
+    /// Point of the world at the origin of the app, near which single precision is exact enough.
     origin: DVec2,
 }
 
 impl View {
-    /// A view of a whole area.
+    /// Creates a view of a whole area.
     pub(crate) fn of(area: WorldRect) -> Self {
         let center = area.center();
         View {
@@ -69,7 +70,7 @@ impl View {
         self.fit = Some(area);
     }
 
-    /// Fits the view to a canvas, whose points are so many pixels wide.
+    /// Fits the view to a canvas. `density` is the number of pixels per point.
     pub(crate) fn set_canvas(&mut self, canvas: egui::Rect, density: f32) {
         (self.canvas, self.density) = (canvas, density);
         let is_seen = canvas.width() > 1.0 && canvas.height() > 1.0;
@@ -84,22 +85,22 @@ impl View {
         }
     }
 
-    /// The canvas in points of the window.
+    /// Returns the canvas in points of the window.
     pub(crate) fn canvas(&self) -> egui::Rect {
         self.canvas
     }
 
-    /// The point of the world at the origin of the app.
+    /// Returns the point of the world at the origin of the app.
     pub(crate) fn origin(&self) -> DVec2 {
         self.origin
     }
 
-    /// Metres of the world per point of the canvas.
+    /// Returns the metres of the world per point of the canvas.
     pub(crate) fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// Whether the world is seen tilted.
+    /// Returns whether the world is seen tilted.
     pub(crate) fn is_tilted(&self) -> bool {
         self.tilted
     }
@@ -109,12 +110,12 @@ impl View {
         self.ceiling = height.max(0.0) + ABOVE;
     }
 
-    /// Changes between the plan and the tilted view, around the middle of the canvas.
+    /// Switches between the plan and the tilted view, around the middle of the canvas.
     pub(crate) fn tilt(&mut self) {
         self.tilted = !self.tilted;
     }
 
-    /// Turns the tilted view by so many steps counter-clockwise around the middle of the canvas.
+    /// Turns the tilted view counter-clockwise by a number of steps, around the middle of the canvas.
     pub(crate) fn turn(&mut self, steps: i32) {
         if self.tilted {
             self.turns = (self.turns + steps).rem_euclid(8);
@@ -126,7 +127,7 @@ impl View {
         if self.tilted { unit_vector(f64::from(self.turns) * TURN) } else { DVec2::X }
     }
 
-    /// Length in the canvas of one metre on the floor, in the direction away from the eye.
+    /// The length in the canvas of one metre on the floor, in the direction away from the viewer.
     fn foreshortening(&self) -> f64 {
         if self.tilted { DOWN } else { 1.0 }
     }
@@ -143,38 +144,38 @@ impl View {
         DVec2::new(by.dot(right), by.dot(right.perp()) * self.foreshortening())
     }
 
-    /// The vector of the floor for points to the right and down in the canvas.
+    /// The vector of the floor for a vector of points to the right and down in the canvas.
     fn on_floor(&self, by: egui::Vec2) -> DVec2 {
         let by = DVec2::new(f64::from(by.x), -f64::from(by.y)) * self.scale;
         let right = self.right();
         right * by.x + right.perp() * (by.y / self.foreshortening())
     }
 
-    /// The point of the floor at a point of the window.
+    /// Returns the point of the floor at a point of the window.
     pub(crate) fn to_world(&self, p: egui::Pos2) -> DVec2 {
         self.center + self.on_floor(p - self.canvas.center())
     }
 
-    /// The point of the window at a point of the floor.
+    /// Returns the point of the window at a point of the floor.
     pub(crate) fn to_canvas(&self, p: DVec2) -> egui::Pos2 {
         let offset = self.on_screen(p - self.center) / self.scale;
         self.canvas.center() + egui::vec2(offset.x as f32, -offset.y as f32)
     }
 
-    /// The radii in points of a disc on the floor.
+    /// Returns the radii in points of a disc on the floor.
     pub(crate) fn radii(&self, radius: f64) -> egui::Vec2 {
         let radius = (radius / self.scale).max(3.0) as f32;
         egui::vec2(radius, radius * self.foreshortening() as f32)
     }
 
-    /// The ray that meets the floor at a point: where it begins, above everything, and its direction, whose length is
-    /// that of the ray to the floor.
+    /// Returns the ray that meets the floor at a point: its origin, which is above everything, and its
+    /// direction, whose length is the distance to the floor.
     pub(crate) fn ray(&self, floor: DVec2) -> (DVec3, DVec3) {
         let direction = self.direction() * (self.ceiling / self.foreshortening());
         (floor.extend(0.0) - direction, direction)
     }
 
-    /// A rectangle of the world around the floor in the canvas.
+    /// Returns a rectangle of the world around the part of the floor that is in the canvas.
     pub(crate) fn area(&self) -> WorldRect {
         let canvas = self.canvas;
         let corners =
@@ -190,7 +191,7 @@ impl View {
         self.center -= self.on_floor(by);
     }
 
-    /// Shows less (factor below 1) or more around a point of the window, which stays where it is.
+    /// Zooms in (factor below 1) or out around a point of the window, which stays where it is.
     pub(crate) fn zoom(&mut self, factor: f64, around: egui::Pos2) {
         let fixed = self.to_world(around);
         self.scale = (self.scale * factor).clamp(ZOOM.0, ZOOM.1);
@@ -205,12 +206,12 @@ pub(crate) enum WorldCamera {
     Tilted,
 }
 
-/// What a view changes of a camera.
+/// What a view changes in a camera.
 pub(crate) type Placed =
     (&'static WorldCamera, &'static mut Camera, &'static mut Projection, &'static mut Transform);
 
 impl View {
-    /// Moves the cameras of a window to what it shows; one of them is active.
+    /// Moves the cameras of a window to what it shows, and activates one of them.
     pub(crate) fn place(&self, window: &Window, cameras: &mut Query<Placed>) {
         let dense = self.density;
         let pixels = |p: egui::Pos2| {
@@ -236,7 +237,8 @@ impl View {
                     transform.translation = center.with_z(transform.translation.z);
                 }
                 WorldCamera::Tilted => {
-                    // From the nearest point of the floor in the canvas to the farthest one, and what is above.
+                    // The range is from the nearest point of the floor in the canvas to the farthest
+                    // one, and what is above.
                     let away = (0.5 * height * ALONG + self.ceiling) / DOWN;
                     let direction = self.direction().as_vec3();
                     *transform = Transform::from_translation(center - direction * away as f32)

@@ -1,4 +1,4 @@
-//! A film through the eyes of a robot that maps a building with people in it.
+//! Films what a robot sees that maps a building with people in it.
 
 use std::error::Error;
 use std::path::Path;
@@ -10,18 +10,18 @@ use mapping_trial::trial::{Trial, TrialParts, TrialSettings};
 
 use crate::worlds::spec;
 
-/// The building, and what moves in it.
+/// Settings of the building.
 const SETTINGS: &[(&str, &str)] = &[("difficulty", "5"), ("width", "10"), ("height", "8")];
 const MOVING: &[(&str, &str)] = &[("doors", "0.8"), ("people", "12")];
 const SEED: u64 = 4;
 
-/// Simulated seconds.
+/// Time limit in simulated seconds.
 const TIME_LIMIT: f64 = 30.0;
 
-/// The film is this many times as fast as the trial.
+/// Speed of the film relative to the trial.
 const SPEED: f64 = 4.0;
 
-/// What the robot sees. Returns the simulated seconds.
+/// Films what the robot sees. Returns the simulated time in seconds.
 pub(crate) fn film(path: &Path) -> Result<f64, Box<dyn Error>> {
     let world = spec("indoor", SETTINGS)?.generate(Seed(SEED))?.to_world();
     let mut moving = ScenarioSpec::default();

@@ -12,16 +12,16 @@ use bevy_offscreen::{CapturedImage, Studio};
 
 use crate::worlds::{corridor, spec};
 
-/// A world, and from where it is seen.
+/// A world, with the viewpoint from which it is seen.
 pub(crate) struct Scene {
     pub(crate) name: &'static str,
     world: Source,
     view: View,
 }
 
-/// Which world.
+/// The source of a world.
 enum Source {
-    /// A kind with settings and a seed, and what moves in it.
+    /// A kind with settings and a seed, and what moves in the world.
     Spec {
         kind: &'static str,
         settings: &'static [(&'static str, &'static str)],
@@ -33,7 +33,7 @@ enum Source {
 }
 
 impl Source {
-    /// The environment, and its scenario.
+    /// Returns the environment, and its scenario.
     fn request(
         &self,
     ) -> Result<(Environment, Option<EnvironmentScenario>), Box<dyn std::error::Error>> {
@@ -56,17 +56,18 @@ impl Source {
     }
 }
 
-/// From where a world is seen.
+/// The viewpoint of a picture.
 enum View {
-    /// From above, all of it: the direction from which one looks, in degrees from the x axis and above the floor, and
-    /// how near, 1 for a sphere around the world that fits.
+    /// The whole world from above. `heading` and `elevation` are the direction from which it is seen,
+    /// in degrees from the x axis and above the floor. `nearness` is 1 for a distance at which a sphere
+    /// around the world fits.
     Tilted { heading: f32, elevation: f32, nearness: f32 },
-    /// From a point in it to another one, below ceilings.
+    /// From a point in the world towards another one, below ceilings.
     Inside { from: Vec3, to: Vec3 },
 }
 
 impl View {
-    /// Where the camera is, for a world of an extent.
+    /// Returns the pose of the camera for a world with these bounds.
     fn pose(&self, bounds: Rect) -> Transform {
         match *self {
             View::Inside { from, to } => Transform::from_translation(from).looking_at(to, Vec3::Z),
@@ -86,13 +87,13 @@ impl View {
 /// Width and height of the pictures in pixels.
 const SIZE: UVec2 = UVec2::new(720, 540);
 
-/// Field of view from bottom to top in radians.
+/// Vertical field of view in radians.
 const FIELD_OF_VIEW: f32 = 0.8;
 
-/// Simulated time after which the picture is taken where something moves.
+/// Simulated time after which the picture is taken if something moves.
 const TIME: Duration = Duration::from_secs(12);
 
-/// Every kind of world.
+/// The pictures, with every kind of world.
 pub(crate) const SCENES: &[Scene] = &[
     Scene {
         name: "indoor_3d",
@@ -172,7 +173,7 @@ pub(crate) const SCENES: &[Scene] = &[
     },
 ];
 
-/// A picture of a world as the plugin draws it.
+/// Draws a world as the plugin does.
 pub(crate) fn draw(scene: &Scene) -> Result<CapturedImage, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
     let ceilings = matches!(scene.view, View::Inside { .. });

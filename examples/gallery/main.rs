@@ -1,9 +1,9 @@
-//! Draws every kind of world, films mapping trials from above and through the eyes of a robot, and films people, doors
-//! and smoke, without a window.
+//! Draws every kind of world, and films mapping trials (from above and as a robot sees them), people,
+//! doors and smoke, without a window.
 //!
 //! `cargo run --release --features render --example gallery`
 //!
-//! Needs a graphics card with a Vulkan, Metal or DirectX driver, or Mesa's software Vulkan.
+//! It needs a graphics card with a Vulkan, Metal or DirectX driver, or Mesa's software Vulkan.
 
 mod eyes;
 mod height;
@@ -39,23 +39,23 @@ use crate::worlds::{FILM_SEED, corridor, spec};
 /// Width and height of the pictures in pixels.
 const SIZE: UVec2 = UVec2::new(800, 600);
 
-/// Side of the map of the film of a trial in grid units of 3 m.
+/// Side of the map in the film of a trial, in grid units of 3 m.
 const FILM_MAP: u32 = 6;
 
 /// A film of a trial.
 struct Take {
     /// Width and height in pixels.
     size: UVec2,
-    /// What is shown.
+    /// Content of the film.
     view: TrialView,
-    /// The greatest simulated time in seconds.
+    /// Time limit in simulated seconds.
     time_limit: f64,
     /// Simulated time from frame to frame in ticks of 50 ms, and frames per second.
     ticks_per_frame: u32,
     frames_per_second: f64,
 }
 
-/// A trial as a driver sees it.
+/// A trial as its driver sees it.
 const TRIAL: Take = Take {
     size: UVec2::new(480, 480),
     view: TrialView { truth: false, map: true, scan: true, path: true },
@@ -64,7 +64,7 @@ const TRIAL: Take = Take {
     frames_per_second: 12.5,
 };
 
-/// A corridor as it is, with the robot's laser.
+/// A corridor in its true state, with the robot's laser.
 const CORRIDOR: Take = Take {
     size: UVec2::new(640, 200),
     view: TrialView { truth: true, map: false, scan: true, path: false },
@@ -86,7 +86,7 @@ struct Arguments {
 }
 
 impl Arguments {
-    /// The file of a picture or film, if it is to be made.
+    /// Returns the file of a picture or film, if it is to be made.
     fn wanted(&self, name: &str, extension: &str) -> Option<PathBuf> {
         let is_wanted = self.only.is_empty() || self.only.iter().any(|only| only == name);
         is_wanted.then(|| self.out.join(format!("{name}.{extension}")))
@@ -96,7 +96,7 @@ impl Arguments {
 /// A picture: its name, the kind of world, its settings and a seed.
 type Sketch = (&'static str, &'static str, &'static [(&'static str, &'static str)], u64);
 
-/// Every kind of world.
+/// The pictures, with every kind of world.
 const WORLDS: &[Sketch] = &[
     ("hallway", "hallway", &[("segments", "14"), ("p_st", "0.4"), ("door_frame_rate", "0.1")], 7),
     (
@@ -121,10 +121,10 @@ const WORLDS: &[Sketch] = &[
     ),
 ];
 
-/// A trial, people in a corridor, and what a robot sees.
+/// The films: a trial, people in a corridor, and what a robot sees.
 const FILMS: [&str; 3] = ["trial", "moving", "robot_camera"];
 
-/// The names of all pictures and films.
+/// Returns the names of all pictures and films.
 fn names() -> impl Iterator<Item = &'static str> {
     let worlds = WORLDS.iter().map(|&(name, ..)| name);
     worlds.chain(height::SCENES.iter().map(|scene| scene.name)).chain(FILMS)
@@ -187,7 +187,7 @@ fn spawn(
 ) -> Result<(Entity, Entity), Box<dyn std::error::Error>> {
     let environment = environment.with_pace(GenerationMode::Blocking);
     let world = studio.app().world_mut().spawn(environment.clone()).id();
-    // After a frame the world is there.
+    // After a frame the world exists.
     studio.step()?;
     let root = studio.app().world().entity(world);
     if let Some(failure) = root.get::<EnvironmentFailure>() {
@@ -199,7 +199,7 @@ fn spawn(
     Ok((world, studio.camera(area, size)?))
 }
 
-/// A picture of a world as the plugin draws it.
+/// Draws a world as the plugin does.
 fn draw(spec: WorldSpec, seed: u64) -> Result<CapturedImage, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
     studio.app().add_plugins(EnvgenPlugins::default()).insert_resource(ClearColor(Color::WHITE));
@@ -207,7 +207,7 @@ fn draw(spec: WorldSpec, seed: u64) -> Result<CapturedImage, Box<dyn std::error:
     Ok(studio.picture(camera)?)
 }
 
-/// Films a mapping trial from start to end. Returns the simulated seconds.
+/// Films a mapping trial from start to end. Returns the simulated time in seconds.
 fn film(
     path: &Path,
     take: &Take,
@@ -215,7 +215,7 @@ fn film(
     moving: Option<Scenario>,
 ) -> Result<f64, Box<dyn std::error::Error>> {
     let mut studio = Studio::new()?;
-    // All ticks of a frame in one step.
+    // All ticks of a frame run in one step.
     let frame_time = Duration::from_secs_f64(TICK) * take.ticks_per_frame;
     studio.set_frame_time(frame_time);
     let colliders = ColliderSettings::for_trials();

@@ -12,7 +12,7 @@ use envgen::{Provenance, Seed, World, WorldKind, WorldSpec};
 /// The seed of films.
 pub(crate) const FILM_SEED: u64 = 2;
 
-/// The spec of a kind of world with some settings.
+/// Returns the spec of a kind of world with some settings.
 pub(crate) fn spec(
     kind: &str,
     settings: &[(&str, &str)],
@@ -24,7 +24,8 @@ pub(crate) fn spec(
     Ok(spec)
 }
 
-/// A corridor of 16 x 3 m that a wall with a door divides, two people, and smoke that grows behind the door.
+/// Returns a corridor of 16 x 3 m that is divided by a wall with a door, with two people, and with
+/// smoke that grows behind the door.
 pub(crate) fn corridor() -> (World, Scenario) {
     let v = DVec2::new;
     let bounds = Rect::new(DVec2::ZERO, v(16.0, 3.0));

@@ -21,7 +21,7 @@ use crate::bag::Bag;
 use crate::trial_arguments::{TrialArguments, help, name, named};
 use crate::{moving, output, robot, spec_file, start};
 
-/// The greatest `--size`: 192 grid units are 576 m, and a wall.
+/// Greatest value of `--size`: 192 grid units are 576 m, and a wall.
 const MAX_SIZE: i64 = 192;
 
 /// Drive a simulated robot through a world that it does not know, and score the map that it makes.
@@ -164,7 +164,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// The world to map.
+    /// Reads or generates the world to map.
     pub(crate) fn world(&self) -> Result<World, Box<dyn Error>> {
         if let Some(path) = self.map.as_deref().or(self.world.as_deref()) {
             let world = self.read(path)?;
@@ -185,7 +185,7 @@ impl Arguments {
         Ok(spec.generate(self.seed)?.to_world())
     }
 
-    /// What moves in the world; `None` where nothing does.
+    /// Returns what moves in the world; `None` if nothing does.
     #[expect(clippy::print_stderr, reason = "a note for the person at the terminal")]
     pub(crate) fn scenario(&self, world: &World) -> Result<Option<Scenario>, Box<dyn Error>> {
         if let Some(path) = &self.scenario {
@@ -202,14 +202,14 @@ impl Arguments {
         Ok(Some(Scenario::new(world, &spec, self.scenario_seed.unwrap_or(self.seed))?))
     }
 
-    /// The files that are read.
+    /// Returns the files that are read.
     fn inputs(&self) -> Vec<PathBuf> {
         let worlds = [&self.world, &self.map].into_iter().flatten();
         let others = [&self.robot, &self.replay, &self.scenario].into_iter().flatten().cloned();
         worlds.flat_map(|path| import::input_files(path)).chain(others).collect()
     }
 
-    /// The bag for ROS 2, begun before the trial; `None` if none is asked for.
+    /// Returns the bag for ROS 2, which is begun before the trial; `None` if none is requested.
     pub(crate) fn bag(&self) -> Result<Option<Bag>, Box<dyn Error>> {
         self.log.as_deref().map(|path| Bag::begin(path, &self.inputs())).transpose()
     }
@@ -232,7 +232,7 @@ impl Arguments {
         }
     }
 
-    /// The settings of the trial. If neither the arguments nor the world give a start, it is in
+    /// Returns the settings of the trial. If neither the arguments nor the world give a start, it is in
     /// the largest free region, away from walls.
     pub(crate) fn settings(&self, world: &World) -> Result<TrialSettings, Box<dyn Error>> {
         let settings = TrialSettings {
@@ -253,7 +253,7 @@ impl Arguments {
     }
 }
 
-/// A size such as `320x240`.
+/// Parses a size such as `320x240`.
 fn pixels(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once('x').and_then(|(width, height)| {
         Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
@@ -261,7 +261,7 @@ fn pixels(text: &str) -> Result<[u32; 2], String> {
     sides.ok_or_else(|| "not of the form WIDTHxHEIGHT with numbers of pixels".to_owned())
 }
 
-/// A pose such as `1.5,-2,90`.
+/// Parses a pose such as `1.5,-2,90`.
 fn pose(text: &str) -> Result<Pose, String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     match numbers.as_deref() {

@@ -1,4 +1,4 @@
-//! The bag of a trial for ROS 2, with what scoring another SLAM's map of the same world needs.
+//! The bag of a trial for ROS 2, with the files for scoring another SLAM's map of the same world.
 
 use std::error::Error;
 use std::io::Write;
@@ -13,16 +13,17 @@ use mapping_trial::ros_bag::BagRecorder;
 use mapping_trial::trial::{Trial, TrialParts, TrialReport};
 use mapping_trial::tum::{self, TimedPose};
 
-/// Name of the file that rosbag2 expects beside the bag's.
+/// Name of the file that rosbag2 expects beside the file of the bag.
 const METADATA: &str = "metadata.yaml";
 
-/// The bag that `--log` asks for. An interrupted trial leaves no file.
+/// The bag that `--log` requests. An interrupted trial leaves no file.
 pub(crate) struct Bag {
     path: PathBuf,
     /// Name of the file without its ending.
     stem: String,
     recorder: BagRecorder<WholeFile>,
-    /// The files beside it, begun before the trial so that nothing is lost if they cannot be written.
+    /// The other files, which are begun before the trial, so that nothing is lost if they cannot be
+    /// written.
     metadata: WholeFile,
     world: WholeFile,
 }
@@ -53,12 +54,12 @@ impl Bag {
         })
     }
 
-    /// The parts of a trial with the recorder.
+    /// Returns the parts of a trial, with the recorder.
     pub(crate) fn watch(&self, parts: TrialParts) -> TrialParts {
         self.recorder.watch(parts)
     }
 
-    /// Ends the files; returns their paths.
+    /// Completes the files, and returns their paths.
     pub(crate) fn finish<B: RobotBackend>(
         mut self,
         trial: &Trial<B>,
@@ -68,12 +69,12 @@ impl Bag {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let (file, bag) = self.recorder.finish(trial, world, report).in_file(&self.path)?;
         self.metadata.write_all(bag.metadata(&name).as_bytes())?;
-        // Those who map the world score their map from where this robot started.
+        // Other maps of this world are scored from where this robot started.
         let mut world = world.clone();
         let start = Some(trial.trajectory(0).poses[0]);
         if world.start != start {
             world.start = start;
-            // No spec gives that start, and what was promised from the other one may not hold.
+            // No spec has this start, and claims about the other start may not hold.
             world.provenance.edited = true;
             world.provenance.edits.clear();
             world.provenance.measured = None;
@@ -91,7 +92,7 @@ impl Bag {
         for robot in 0..trial.robots() {
             let number = if robot == 0 { String::new() } else { format!("_{}", robot + 1) };
             let truth = &trial.trajectory(robot).poses;
-            // The first estimate is from before the first observation.
+            // The first estimate precedes the first observation.
             let estimated = trial.autonomy().slam().trajectory(robot);
             let estimated = estimated.get(1..).unwrap_or_default();
             for (of, poses) in [("truth", truth.as_slice()), ("estimate", estimated)] {
@@ -111,7 +112,7 @@ impl Bag {
     }
 }
 
-/// Refuses a folder whose metadata describe another bag, which they would no longer do.
+/// Rejects a folder whose metadata describe another bag, since they would be overwritten.
 fn refuse_other_bag(metadata: &Path, path: &Path) -> Result<(), Box<dyn Error>> {
     let Ok(text) = std::fs::read_to_string(metadata) else { return Ok(()) };
     let name = path.file_name().unwrap_or_default().to_string_lossy();

@@ -12,7 +12,7 @@ use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 
 use crate::arguments::Arguments;
 
-/// A trial in rapier, and the descriptions of its pictures.
+/// A trial in Rapier, and the descriptions of its pictures.
 type Recorded = (Trial<RapierRobots>, Vec<PathBuf>);
 
 /// Checks the camera, if there is one.
@@ -23,7 +23,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// What to record from a robot, if anything.
+/// Returns what to record of a robot, if anything.
 fn recording(arguments: &Arguments, robot: &Robot) -> Option<CameraRecording> {
     let [width, height] = arguments.camera_size;
     let (field_of_view, rate) = (arguments.camera_fov, arguments.camera_rate);
@@ -31,7 +31,7 @@ fn recording(arguments: &Arguments, robot: &Robot) -> Option<CameraRecording> {
     arguments.camera.clone().map(|folder| CameraRecording { camera, folder })
 }
 
-/// Runs a trial in rapier.
+/// Runs a trial in Rapier.
 pub(crate) fn run(
     arguments: &Arguments,
     world: &World,
@@ -47,7 +47,7 @@ pub(crate) fn run(
     })
 }
 
-/// Replays a trial in rapier.
+/// Replays a trial in Rapier.
 pub(crate) fn replay(
     arguments: &Arguments,
     world: &World,

@@ -1,4 +1,4 @@
-//! Drivers: other programs that drive the robots.
+//! Drivers, which are other programs that drive the robots.
 
 use std::error::Error;
 use std::time::Duration;
@@ -9,7 +9,8 @@ use mapping_trial::trial::{Trial, TrialSettings};
 
 use crate::arguments::Arguments;
 
-/// The value of `--driver` for the program that started this one, over standard input and output.
+/// Value of `--driver` for the program that started this one, which drives over standard input and
+/// output.
 const OURSELVES: &str = "-";
 
 impl Arguments {
@@ -18,7 +19,8 @@ impl Arguments {
         self.driver.as_deref() == Some(OURSELVES)
     }
 
-    /// The driver from the arguments, after its hello. If the hello fails, the trial fails.
+    /// Starts the driver from the arguments, and waits for its hello. If the hello fails, the trial
+    /// fails.
     pub(crate) fn start_driver(
         &self,
         world: &World,
@@ -29,7 +31,7 @@ impl Arguments {
             reply: seconds("--driver-timeout", self.driver_timeout)?,
             total: seconds("--driver-total", self.driver_total)?,
         };
-        // Checked before anything is started.
+        // The settings are checked before anything is started.
         let mut builder = Trial::builder(world, settings.clone());
         let hello = Hello::new(&builder.setup()?);
         let driver = if self.is_driven_by_caller() {

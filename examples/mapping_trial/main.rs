@@ -1,4 +1,4 @@
-//! A robot maps a world that it does not know, and its map is scored against the world.
+//! Runs a trial: a robot maps a world that it does not know, and its map is scored against the world.
 //!
 //! ```text
 //! cargo run --release --example mapping_trial
@@ -10,11 +10,10 @@
 //! cargo run --release --features window --example mapping_trial -- --engine rapier --camera out/frames
 //! ```
 //!
-//! The output folder gets pictures of the robot's map, of the mappable area and of both over each
-//! other, with trajectories; the map for ROS's `map_server`; the log, from which the trial runs again
-//! to the last bit; and the report as JSON. `--log` also writes a bag for ROS 2, `--camera` what
-//! the robots see. Two runs with the same arguments
-//! write the same bytes.
+//! The output folder gets pictures of the robot's map, of the mappable area and of their differences,
+//! with trajectories; the map for ROS's `map_server`; the log, by which the trial is replayed to the
+//! last bit; and the report as JSON. `--log` also writes a bag for ROS 2, and `--camera` the images of
+//! the robots' cameras. Two runs with the same arguments write the same bytes.
 
 mod arguments;
 mod bag;
@@ -65,13 +64,13 @@ use crate::bag::Bag;
 use crate::spinner::spinner;
 use crate::trial_bar::trial_bar;
 
-/// The fast simulator, as logs and reports name it.
+/// Name of the flat simulator in logs and reports.
 const FLAT: &str = FlatSimulator::ENGINE;
 
-/// Rapier, as logs and reports name it.
+/// Name of Rapier in logs and reports.
 const RAPIER: &str = bevy_mapping_trial::trial::ENGINE;
 
-/// Ticks between two updates of the progress bar.
+/// Number of ticks between two updates of the progress bar.
 const TICKS_A_LOOK: u64 = 200;
 
 fn main() -> ExitCode {
@@ -105,7 +104,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         // A trial that cannot be scored is not run.
         let start = setup.starts[0].position;
         let truth = Reference::from_start(&world, &setup.settings.body, start)?;
-        // With the time limit that holds, which may depend on the area.
+        // The settings have the time limit in effect, which may depend on the area.
         let settings = setup.settings.clone();
         let driver = arguments.start_driver(&world, &settings)?;
         let parts = driver.as_ref().map_or_else(TrialParts::default, Driver::parts);
@@ -167,7 +166,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Refuses cameras of an engine whose robots have none.
+/// Rejects cameras for an engine whose robots have none.
 fn refuse_camera_of(arguments: &Arguments, engine: &str) -> Result<(), Box<dyn Error>> {
     if arguments.camera.is_some() && engine != RAPIER {
         return Err(format!("--camera needs --engine {RAPIER}, got {engine}").into());
@@ -175,7 +174,7 @@ fn refuse_camera_of(arguments: &Arguments, engine: &str) -> Result<(), Box<dyn E
     Ok(())
 }
 
-/// The parts of a trial, with the recorder of its bag if there is one.
+/// Returns the parts of a trial, with the recorder of its bag if there is one.
 fn watched(bag: Option<&Bag>, parts: TrialParts) -> TrialParts {
     match bag {
         Some(bag) => bag.watch(parts),
@@ -183,8 +182,8 @@ fn watched(bag: Option<&Bag>, parts: TrialParts) -> TrialParts {
     }
 }
 
-/// The notice that a built-in part replaces a part that was plugged in; a policy's commands are in
-/// the log.
+/// Returns the notice that a built-in part replaces a part that was plugged in. A policy's commands are
+/// in the log.
 fn missing(part: &ForeignPart) -> String {
     let ForeignPart { role, name } = part;
     format!(
@@ -208,7 +207,8 @@ fn tell<B: RobotBackend>(
     let writing = spinner("writing");
     let mut paths = output::write(&arguments.out, trial, truth, &report)?;
     writing.finish_and_clear();
-    // Before the scores, which would influence the ratings; the pictures can be looked at.
+    // The form comes before the scores, which would influence the ratings. The pictures may be looked
+    // at.
     let asked = arguments.form.then(|| {
         say(arguments, format_args!("the pictures are in {}\n", arguments.out.display()))?;
         let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
@@ -218,7 +218,7 @@ fn tell<B: RobotBackend>(
         report.feedback = Some(feedback.clone());
         paths = output::write(&arguments.out, trial, truth, &report)?;
     }
-    // Whatever becomes of form and table, the files are whole.
+    // The files are complete, whatever happens to the form and the table.
     if let Some(bag) = bag {
         paths.extend(bag.finish(trial, world, &report)?);
     }
@@ -239,8 +239,8 @@ fn tell<B: RobotBackend>(
     Ok(report)
 }
 
-/// Prints to stdout, or to stderr if stdout is a driver's. A reader that closes early, as `head` does,
-/// is not an error: the files are still written.
+/// Prints to stdout, or to stderr if stdout belongs to a driver. It is no error if the reader closes
+/// early, as `head` does: the files are still written.
 fn say(arguments: &Arguments, text: std::fmt::Arguments<'_>) -> std::io::Result<()> {
     let said = if arguments.is_driven_by_caller() {
         std::io::stderr().write_fmt(text)
@@ -253,7 +253,7 @@ fn say(arguments: &Arguments, text: std::fmt::Arguments<'_>) -> std::io::Result<
     }
 }
 
-/// Drives a trial of the flat simulator to its end.
+/// Runs a trial of the flat simulator to its end.
 fn run_flat(
     world: &World,
     settings: TrialSettings,

@@ -1,4 +1,4 @@
-//! Trials in rapier in builds without rendering crates, which have no cameras.
+//! Trials in Rapier in builds without rendering, which have no cameras.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -10,10 +10,10 @@ use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 
 use crate::arguments::Arguments;
 
-/// A trial, and no pictures.
+/// A trial, without pictures.
 type Recorded = (Trial<RapierRobots>, Vec<PathBuf>);
 
-/// Refuses cameras.
+/// Rejects cameras.
 pub(crate) fn check(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if arguments.camera.is_some() {
         return Err("--camera needs a build that draws: \
@@ -23,7 +23,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Runs a trial in rapier.
+/// Runs a trial in Rapier.
 pub(crate) fn run(
     _: &Arguments,
     world: &World,
@@ -34,7 +34,7 @@ pub(crate) fn run(
     Ok((run_headless_with(world, settings, parts, scenario, progress)?, Vec::new()))
 }
 
-/// Replays a trial in rapier.
+/// Replays a trial in Rapier.
 pub(crate) fn replay(
     _: &Arguments,
     world: &World,

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use mapping_trial::trial::TrialReport;
 
-/// The results of a trial, as lines.
+/// Returns the results of a trial as lines.
 pub(crate) fn table(report: &TrialReport) -> String {
     let mut text = format!("{}\n\n", report.headline());
     // Writing to a string does not fail.

@@ -1,10 +1,10 @@
-//! What moves in the world, by settings on the command line.
+//! Settings on the command line for doors, people and smoke.
 
 use std::error::Error;
 
 use envgen::scenario::ScenarioSpec;
 
-/// What moves, from settings such as `doors=0.5`.
+/// Returns the scenario for settings such as `doors=0.5`.
 pub(crate) fn spec(settings: &[String]) -> Result<ScenarioSpec, Box<dyn Error>> {
     let (mut spec, mut names) = (ScenarioSpec::default(), Vec::new());
     for setting in settings {

@@ -1,4 +1,4 @@
-//! The files that a trial writes. Each is written whole or not at all.
+//! The files that a trial writes. Each is written as a whole or not at all.
 
 use std::error::Error;
 use std::io::Write;
@@ -11,14 +11,15 @@ use mapping_trial::picture::Picture;
 use mapping_trial::score::{Reference, Scores};
 use mapping_trial::trial::{Trial, TrialReport};
 
-/// The folder to write into, made if need be. Said before the trial runs, so that none is lost.
+/// Returns the output folder, which is created if needed. Errors are reported before the trial runs, so
+/// that no trial is lost.
 pub(crate) fn folder(path: &Path) -> Result<&Path, Box<dyn Error>> {
     whole_file::create_folder(path).in_option("--out", path.display())?;
     Ok(path)
 }
 
-/// The files that a trial writes: map, mappable area and errors as pictures, the map for ROS, the log and the
-/// report.
+/// The files that a trial writes: pictures of the map, of the mappable area and of the errors, the map
+/// for ROS, the log and the report.
 pub(crate) const FILES: [&str; 7] = [
     "map.png",
     "truth.png",
@@ -82,7 +83,7 @@ pub(crate) fn write<B: RobotBackend>(
     Ok(paths.to_vec())
 }
 
-/// The notes below the pictures: the settings that differ from the defaults, and the scores.
+/// Returns the notes below the pictures: settings that differ from the defaults, and the scores.
 fn notes(report: &TrialReport) -> Vec<String> {
     let Scores { difficulty, mapping, navigation, coverage, f1_30, time, distance, .. } =
         report.scores;

@@ -1,4 +1,4 @@
-//! How often a window is drawn.
+//! The frame rate of a window.
 
 use std::time::Duration;
 
@@ -8,17 +8,17 @@ use bevy::winit::{UpdateMode, WinitSettings};
 use bevy_mapping_trial::ui::bevy_egui::{EguiInput, EguiPreUpdateSet};
 use bevy_mapping_trial::ui::egui::{Event, Modifiers};
 
-/// The longest time between two frames while other threads compute, whose results are seen then, and after inputs:
-/// letters that are drawn for the first time are seen in the next frame.
+/// Longest time between two frames while other threads compute, whose results then become visible, and
+/// after inputs. Letters that are drawn for the first time become visible in the next frame.
 const FRAME: Duration = Duration::from_millis(100);
 
-/// Frames after an input.
+/// Number of frames after an input.
 const AFTER: u32 = 3;
 
-/// The longest time between two frames of what nobody has touched: old notes disappear then.
+/// Longest time between two frames without inputs, since old notes have to disappear.
 const IDLE: Duration = Duration::from_millis(400);
 
-/// Why a window changes without inputs.
+/// Reasons for which a window changes without inputs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Activity {
     /// Simulated time passes.
@@ -27,8 +27,8 @@ pub(crate) struct Activity {
     pub(crate) computes: bool,
 }
 
-/// Lets the panels be drawn only when something happens to them. `bevy_egui` says in every frame which modifier keys
-/// are held, and egui draws once more after every input.
+/// Draws the panels only when something happens to them. In every frame `bevy_egui` reports which
+/// modifier keys are held, and egui draws once more after every input.
 pub(crate) fn let_panels_rest(app: &mut App) {
     let heard = EguiPreUpdateSet::ProcessInput;
     app.add_systems(PreUpdate, drop_repeated.after(heard).before(EguiPreUpdateSet::BeginPass));
@@ -43,7 +43,7 @@ fn drop_repeated(mut inputs: Query<&mut EguiInput>, mut held: Local<Modifiers>) 
     }
 }
 
-/// Draws as rarely as can be.
+/// Draws as rarely as possible.
 pub(crate) fn pace(
     In(activity): In<Activity>,
     mut inputs: MessageReader<WindowEvent>,

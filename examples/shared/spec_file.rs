@@ -1,4 +1,4 @@
-//! Files that hold a spec of a world in place of a world.
+//! Files with the spec of a world instead of a world.
 
 use std::error::Error;
 use std::path::Path;
@@ -6,7 +6,8 @@ use std::path::Path;
 use envgen::located::Locate;
 use envgen::{WorldKind, WorldSpec};
 
-/// The spec in a file that ends with `.ron`; `None` for any other file, and for one that may be the RON of a world.
+/// Reads the spec from a file whose name ends with `.ron`; `None` for any other file, and for a file
+/// that may be the RON of a world.
 pub(crate) fn read(path: &Path) -> Result<Option<WorldSpec>, Box<dyn Error>> {
     let name = path.to_string_lossy().to_ascii_lowercase();
     if !name.ends_with(".ron") {

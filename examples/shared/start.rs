@@ -1,4 +1,4 @@
-//! Where trials start.
+//! Start poses of trials.
 
 use std::error::Error;
 
@@ -6,7 +6,7 @@ use envgen::World;
 use envgen::placement::pose_of_most_clearance;
 use mapping_trial::trial::TrialSettings;
 
-/// Settings with a start: if neither they nor the world give one, it is in the largest free
+/// Returns the settings with a start. If neither they nor the world have one, it is in the largest free
 /// region, away from walls.
 pub(crate) fn with_start(
     world: &World,

@@ -1,4 +1,5 @@
-//! The arguments of all programs that run trials. Their help, names and defaults are those of the trial's settings.
+//! The arguments of all programs that run trials. Their help, names and defaults come from the trial's
+//! settings.
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -31,20 +32,20 @@ pub(crate) struct TrialArguments {
     pub(crate) time_per_area: Option<f64>,
 }
 
-/// What a setting of a trial does, with its unit.
+/// Returns the help for a setting of a trial, with its unit.
 pub(crate) fn help(setting: &str) -> String {
     let setting = TrialSettings::setting(setting);
     let unit = if setting.unit.is_empty() { String::new() } else { format!(" [{}]", setting.unit) };
     format!("{}{unit}", setting.help.replace("`time_limit`", "--time-limit"))
 }
 
-/// A parser for the names of values.
+/// Returns a parser for the names of values.
 pub(crate) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(T::NAMES.iter().map(|(name, _)| *name))
         .try_map(|name| T::named(&name))
 }
 
-/// The name of what a setting is by default.
+/// Returns the name of the default value of a setting.
 pub(crate) fn name<T: Named>(of: impl Fn(&TrialSettings) -> &T) -> &'static str {
     of(&TrialSettings::default()).name().unwrap_or_default()
 }

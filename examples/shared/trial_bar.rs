@@ -1,10 +1,10 @@
-//! What a terminal shows during a trial.
+//! Progress of a trial on a terminal.
 
 use std::io::IsTerminal;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar of simulated seconds on stderr; nothing if that is not a terminal.
+/// A progress bar of simulated seconds on stderr. It is hidden if stderr is not a terminal.
 pub(crate) fn trial_bar(limit: f64) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

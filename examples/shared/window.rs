@@ -1,4 +1,4 @@
-//! What programs with a window begin and end with.
+//! The common beginning and end of programs with a window.
 
 use std::error::Error;
 use std::process::ExitCode;
@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use bevy::prelude::*;
 use bevy_offscreen::find_renderer;
 
-/// How often a server is asked that does not answer, and the time between.
+/// Number of attempts to reach a server that does not answer, and the time between them.
 #[cfg(target_os = "linux")]
 const TRIES: u32 = 5;
 #[cfg(target_os = "linux")]
@@ -18,17 +18,19 @@ pub(crate) fn titled(title: &str) -> WindowPlugin {
     WindowPlugin { primary_window: Some(window), ..default() }
 }
 
-/// A connection to the display, to be held while the window is open: some servers restart when no client is left, and
-/// refuse others meanwhile.
+/// A connection to the display, which is held while the window is open. Some servers restart when no
+/// client is left, and reject others meanwhile.
 pub(crate) struct Display {
     #[cfg(target_os = "linux")]
     _connection: x11rb::rust_connection::RustConnection,
 }
 
-/// Finds what a window needs: Bevy would panic without it.
+/// Checks what a window needs. Bevy would panic without it.
 ///
 /// # Errors
-/// Without a graphics driver and, on Linux, when no server of X11 is named, or the one that is does not answer.
+///
+/// If there is no graphics driver or, on Linux, if no X11 server is named, or if the named one does not
+/// answer.
 pub(crate) fn find_display() -> Result<Display, Box<dyn Error>> {
     find_renderer()?;
     Ok(Display {
@@ -55,7 +57,7 @@ fn connect() -> Result<x11rb::rust_connection::RustConnection, Box<dyn Error>> {
     }
 }
 
-/// The exit status of a program, whose error is reported.
+/// Reports the error of a program, if there is one, and returns its exit status.
 pub(crate) fn exit_code(ended: Result<AppExit, Box<dyn Error>>) -> ExitCode {
     match ended {
         Ok(AppExit::Success) => ExitCode::SUCCESS,

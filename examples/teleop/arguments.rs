@@ -17,10 +17,10 @@ use mapping_trial::trial::TrialSettings;
 use crate::trial_arguments::{TrialArguments, name, named};
 use crate::{moving, robot, spec_file};
 
-/// Side of the indoor map in grid units: about the size that one robot explores in 20 minutes.
+/// Side of the indoor map in grid units, which is about the size that one robot explores in 20 minutes.
 const SIZE: u32 = 10;
 
-/// The most robots of a trial.
+/// Greatest number of robots in a trial.
 pub(crate) const MAX_ROBOTS: u32 = 4;
 
 /// Drive a simulated robot through a world that you do not know, and see how well you map it.
@@ -83,20 +83,20 @@ pub(crate) struct Arguments {
     pub(crate) frame_log: Option<PathBuf>,
 }
 
-/// What the window starts with: a spec, or a world from a file.
+/// The initial content of the window: a spec, or a world from a file.
 pub(crate) enum Beginning {
     Spec(Box<WorldSpec>),
     World(Arc<World>),
 }
 
 impl Arguments {
-    /// The world or spec to start with.
+    /// Returns the world or spec to start with.
     pub(crate) fn beginning(&self) -> Result<Beginning, Box<dyn Error>> {
         let Some(path) = &self.world else {
             let (width, height) = (SIZE, SIZE);
             let (difficulty, profile) = (self.difficulty, Profile::Calibrated);
             let spec = IndoorSpec { difficulty, width, height, profile, ..Default::default() };
-            // Also refuses a difficulty that maps of this size do not reach.
+            // This also rejects a difficulty that maps of this size do not reach.
             let (spec, _) = SpecForm::new(&spec.into(), self.seed).request()?;
             return Ok(Beginning::Spec(Box::new(spec)));
         };
@@ -108,29 +108,29 @@ impl Arguments {
         Ok(Beginning::World(Arc::new(world)))
     }
 
-    /// The files that are read.
+    /// Returns the files that are read.
     pub(crate) fn inputs(&self) -> Vec<PathBuf> {
         let world = self.world.iter().flat_map(|path| import::input_files(path));
         world.chain(self.robot.clone()).collect()
     }
 
-    /// Whether the robots' cameras are drawn.
+    /// Returns whether the robots' cameras are drawn.
     pub(crate) fn has_cameras(&self) -> bool {
         !self.no_camera
     }
 
-    /// What the robot is called: as its file is.
+    /// Returns the name of the robot, which is that of its file.
     pub(crate) fn robot_name(&self) -> String {
         let file = self.robot.as_deref().and_then(Path::file_stem);
         file.map_or_else(|| "Pioneer 3-AT".to_owned(), |name| name.to_string_lossy().into_owned())
     }
 
-    /// What moves in the world at first.
+    /// Returns what moves in the world at first.
     pub(crate) fn scenario(&self) -> Result<ScenarioForm, Box<dyn Error>> {
         Ok(ScenarioForm::new(&moving::spec(&self.scenario)?))
     }
 
-    /// The initial settings of trials.
+    /// Returns the initial settings of trials.
     pub(crate) fn settings(&self) -> Result<TrialSettings, Box<dyn Error>> {
         let settings = TrialSettings {
             body: self.robot.as_deref().map_or(Ok(Robot::default()), robot::read)?,

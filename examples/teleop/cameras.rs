@@ -1,4 +1,5 @@
-//! The cameras: the robot's surroundings, the whole map in a corner, and the panels over both.
+//! The cameras of the window: one for the robot's surroundings, one for the whole map in a corner, and
+//! one for the panels over both.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{CameraOutputMode, ClearColorConfig, Viewport};
@@ -15,10 +16,10 @@ use crate::session::{Phase, Session};
 /// Initial height of the visible area in metres.
 const HEIGHT: f32 = 14.0;
 
-/// Side of the minimap as a share of the picture's shorter side.
+/// Side of the minimap as a fraction of the picture's shorter side.
 const MINIMAP: f32 = 0.34;
 
-/// Pixels between the minimap and the window's edge.
+/// Distance in pixels between the minimap and the window's edge.
 const MARGIN: u32 = 12;
 
 pub(crate) fn spawn(
@@ -71,14 +72,14 @@ pub(crate) fn follow_driven(session: Res<Session>, mut cameras: Query<&mut Follo
     }
 }
 
-/// The window's pixels beside the panel.
+/// Returns the window's area in pixels beside the panel.
 pub(crate) fn beside(window: &Window) -> URect {
     let size = window.physical_size();
     let panel = panels::WIDTH * panels::zoom(window.height()) * window.scale_factor();
     URect::from_corners(UVec2::new((panel as u32).min(size.x), 0), size)
 }
 
-/// The minimap's pixels, in the lower right corner.
+/// Returns the minimap's area in pixels, in the lower right corner.
 pub(crate) fn minimap(size: UVec2, beside: URect) -> URect {
     let side = (beside.size().min_element() as f32 * MINIMAP) as u32;
     let corner = size.saturating_sub(UVec2::splat(side + MARGIN));

@@ -1,4 +1,4 @@
-//! A log of how long every frame took.
+//! A log of the duration of every frame.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -22,7 +22,7 @@ impl FrameLog {
     }
 }
 
-/// Adds a row. After a write error the file is given up.
+/// Adds a row. After an error nothing more is written.
 pub(crate) fn write(
     mut log: ResMut<FrameLog>,
     time: Res<Time<Real>>,

@@ -13,13 +13,13 @@ use mapping_trial::backend::Command;
 
 use crate::session::{Phase, Session};
 
-/// Minimum and maximum height of the visible area in metres.
+/// Least and greatest height of the visible area in metres.
 const ZOOM: (f32, f32) = (3.0, 200.0);
 
-/// How much a key changes the zoom.
+/// Factor by which a key changes the zoom.
 const ZOOM_STEP: f32 = 1.25;
 
-/// Commands the driven robot by keys and gamepads; no command while a panel has the keyboard focus.
+/// Commands the driven robot by keys and gamepads, but not while a panel has the keyboard focus.
 pub(crate) fn steer(
     session: Res<Session>,
     keys: Res<ButtonInput<KeyCode>>,
@@ -33,19 +33,19 @@ pub(crate) fn steer(
     } else {
         command_of(&keys, pads, &session.setup.settings.body)
     };
-    // The robots that are not driven stop.
+    // Robots that are not driven stop.
     let robots = session.setup.settings.robots as usize;
     let command_of = |robot| if robot == session.driven { command } else { Command::STOP };
     manual.set_if_neq(ManualControl { commands: (0..robots).map(command_of).collect() });
 }
 
-/// Keys that bring the view nearer or farther.
+/// Zooms by keys.
 pub(crate) fn zoom(
     keys: Res<ButtonInput<KeyCode>>,
     letters: Res<ButtonInput<Key>>,
     mut cameras: Query<&mut FollowRobot>,
 ) {
-    // By what they type: + and - are elsewhere on other keyboards.
+    // The typed characters count, since + and - are on other keys of other keyboards.
     let typed = |texts: &[&str]| {
         let mut pressed = letters.get_just_pressed();
         pressed.any(|key| matches!(key, Key::Character(text) if texts.contains(&text.as_str())))
@@ -104,7 +104,7 @@ pub(crate) fn act(
     }
 }
 
-/// While the robots drive, Tab switches robots instead of buttons.
+/// While the robots drive, Tab switches between robots, not between buttons.
 pub(crate) fn keep_tab(session: Res<Session>, mut inputs: Query<&mut EguiInput>) {
     if session.phase == Phase::Running {
         for mut input in &mut inputs {

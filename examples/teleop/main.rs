@@ -1,5 +1,5 @@
-//! A window to drive a robot: map a world that you do not know, fill in the feedback form, see the
-//! scores.
+//! Opens a window in which a person drives a robot, maps a world that they do not know, fills in the
+//! feedback form, and sees the scores.
 //!
 //! ```text
 //! cargo run --release --features window --example teleop
@@ -9,11 +9,12 @@
 //! cargo run --release --features window --example mapping_trial -- --replay out/teleop/001/log.json --out out/again
 //! ```
 //!
-//! W, A, S, D, the arrows or a gamepad (feature `gamepad`) drive, Tab switches to the next robot, P
-//! or Esc pauses, R restarts, C makes the robot's camera or the map large, T shows the
-//! true world, + and - zoom, End ends the trial. `--no-camera` is for machines that are too slow for the cameras. The folder
-//! `--out` then holds a folder for every trial, with the files of `mapping_trial`: log, report with
-//! the form, pictures, the map for ROS.
+//! W, A, S, D, the arrows or a gamepad (feature `gamepad`) drive. Tab switches to the next robot, P or
+//! Esc pauses, R restarts, C makes the robot's camera or the map large, T shows the true world, + and -
+//! zoom, and End ends the trial. `--no-camera` is for machines that are too slow for the cameras.
+//!
+//! The folder `--out` then holds a folder for every trial, with the files of `mapping_trial`: the log,
+//! the report with the form, pictures, and the map for ROS.
 
 mod arguments;
 mod cameras;
@@ -69,7 +70,7 @@ fn main() -> ExitCode {
     window::exit_code(run(&Arguments::parse()))
 }
 
-/// Opens the window. Mistakes in the command line are reported before.
+/// Opens the window. Errors in the command line are reported before.
 fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let beginning = arguments.beginning()?;
     let settings = (arguments.settings()?, arguments.scenario()?);

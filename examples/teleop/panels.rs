@@ -21,13 +21,13 @@ pub(crate) const WIDTH: f32 = 360.0;
 /// Window height in points at which texts have their normal size.
 const PLAIN_HEIGHT: f32 = 800.0;
 
-/// Size of a point for a window of this height: texts grow with the window.
+/// Returns the size of a point for a window of this height, since texts grow with the window.
 pub(crate) fn zoom(window_height: f32) -> f32 {
     (window_height / PLAIN_HEIGHT).clamp(1.0, 2.5)
 }
 
-/// Sets texts that are readable on the dark panels, even on a screen in sunlight. Does nothing
-/// after the first call.
+/// Sets texts that are readable on the dark panels, even in sunlight. It does nothing after the first
+/// call.
 fn dress(context: &egui::Context) {
     let text = Some(egui::Color32::from_gray(222));
     if context.global_style().visuals.override_text_color != text {
@@ -143,8 +143,8 @@ fn setup(
     });
 }
 
-/// What the settings describe: in training the world, otherwise the robot, since whoever drives must not know the
-/// world.
+/// The preview of the settings: in training the world, otherwise the robot, since the driver must not
+/// know the world.
 fn preview(ui: &mut Ui, session: &mut Session) {
     if !session.setup.training {
         return robot_preview(ui, &session.robot, &session.setup.settings);
@@ -222,7 +222,7 @@ fn done(ui: &mut Ui, session: &mut Session, trial: &MappingTrial, truth: &Ground
     }
 }
 
-/// The windows of form and scores, beside the panel.
+/// The windows of the form and the scores, beside the panel.
 fn windows(context: &egui::Context, session: &mut Session) {
     let screen = context.viewport_rect();
     let middle = egui::vec2(0.5 * WIDTH, 0.0);

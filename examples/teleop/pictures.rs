@@ -13,12 +13,13 @@ use crate::panels::zoom;
 use crate::robot_cameras::{ASPECT, RobotPictures};
 use crate::session::{Phase, Session};
 
-/// Width of a small picture as a share of the space beside the panel, and its distance from the edges in points.
+/// Width of a small picture as a fraction of the space beside the panel, and its distance from the
+/// edges in points.
 const SMALL: f32 = 0.26;
 const MARGIN: f32 = 12.0;
 
-/// Draws the pictures: the driven robot's large, around the small map, or small at the left; those of the others
-/// small at the right.
+/// Draws the pictures. That of the driven robot is large, around the small map, or small at the left;
+/// those of the others are small at the right.
 pub(crate) fn show(
     mut contexts: EguiContexts,
     window: Single<&Window>,
@@ -73,9 +74,10 @@ pub(crate) fn show(
     Ok(())
 }
 
-/// Draws the part of a picture that is in an area, where the picture fills `whole` and is cut to its shape.
+/// Draws the part of a picture that lies in an area. The whole picture fills `whole` and is cut to its
+/// shape.
 fn paint(painter: &Painter, area: Area, whole: Area, texture: TextureId) {
-    // The share of the picture that is seen.
+    // The visible fraction of the picture.
     let shape = whole.width() / whole.height() / ASPECT;
     let seen = vec2(shape.min(1.0), (1.0 / shape).min(1.0));
     let place = |p: Pos2| {
@@ -86,7 +88,7 @@ fn paint(painter: &Painter, area: Area, whole: Area, texture: TextureId) {
     painter.image(texture, area, part, Color32::WHITE);
 }
 
-/// What is left of an area without a hole in it.
+/// Returns what is left of an area around a hole in it.
 fn around(area: Area, hole: Area) -> [Area; 4] {
     let part = |min: Pos2, max: Pos2| Area::from_min_max(min, max);
     [
@@ -97,7 +99,7 @@ fn around(area: Area, hole: Area) -> [Area; 4] {
     ]
 }
 
-/// Which robot a picture is from, in its upper left corner.
+/// Draws in the upper left corner of a picture to which robot it belongs.
 fn label(painter: &Painter, area: Area, robot: usize) {
     let font = FontId::proportional(14.0);
     let text = painter.layout_no_wrap(format!("robot {}", robot + 1), font, Color32::WHITE);

@@ -1,7 +1,7 @@
 //! The cameras on the robots.
 //!
-//! Each robot has a camera that draws into an image: that of the driven robot into a large one while it is asked for,
-//! all others into small ones. The panels show the images.
+//! Each robot has a camera that draws into an image. The driven robot's image is large while it is
+//! requested; all others are small. The panels show the images.
 
 use bevy::camera::{PerspectiveProjection, RenderTarget};
 use bevy::core_pipeline::tonemapping::Tonemapping;
@@ -18,28 +18,29 @@ use crate::arguments::MAX_ROBOTS;
 use crate::samples::{is_software, samples};
 use crate::session::{Phase, Session};
 
-/// Width of a picture per height: the panel leaves about that much of a window.
+/// Aspect ratio of pictures: about that of the space that the panel leaves in a window.
 pub(crate) const ASPECT: f32 = 4.0 / 3.0;
 
-/// Field of view from left to right in degrees.
+/// Horizontal field of view in degrees.
 const FIELD_OF_VIEW: f32 = 80.0;
 
-/// Height of a small picture as a share of the large one's.
+/// Height of a small picture as a fraction of that of the large one.
 const SMALL: f32 = 0.5;
 
-/// What is too near to be seen, in metres: a robot at a wall does not see through it.
+/// Distance of the near plane in metres, so that a robot at a wall does not see through it.
 const NEAR: f32 = 0.03;
 
-/// Rows of the large picture with a graphics card and without.
+/// Number of rows of the large picture with and without a graphics card.
 const ROWS: [u32; 2] = [720, 240];
 
-/// Frames from one small picture to the next.
+/// Number of frames from one small picture to the next.
 const FRAMES_PER_SMALL: u32 = 3;
 
-/// Duration of frames in seconds from which on every other frame has no picture of the driven robot either.
+/// Duration of frames in seconds from which the driven robot, too, has a picture only in every other
+/// frame.
 const SLOW: f32 = 0.1;
 
-/// The images that the cameras draw into.
+/// The images into which the cameras draw.
 #[derive(Resource)]
 pub(crate) struct RobotPictures {
     large: DrawnCamera,
@@ -58,13 +59,13 @@ struct DrawnCamera {
 pub(crate) struct RobotEye {
     /// Index of the robot, from 0.
     robot: usize,
-    /// The pose on the robot.
+    /// Pose of the camera on the robot.
     mount: Transform,
     /// The robot's poses at the last two ticks.
     poses: [Transform; 2],
 }
 
-/// Spawns the images: of `rows` rows, or as many as the graphics driver is fast enough for.
+/// Spawns the images with `rows` rows, or with as many as the graphics driver is fast enough for.
 pub(crate) fn spawn_pictures(
     In(rows): In<Option<u32>>,
     adapter: Res<RenderAdapterInfo>,
@@ -89,7 +90,8 @@ pub(crate) fn spawn_pictures(
 }
 
 impl RobotPictures {
-    /// The picture of a robot: the large one for the driven robot while that is asked for.
+    /// Returns the picture of a robot, which is the large one for the driven robot while that is
+    /// requested.
     fn of(&self, robot: usize, session: &Session) -> Option<&DrawnCamera> {
         if robot == session.driven && session.camera_is_large {
             return Some(&self.large);
@@ -97,7 +99,7 @@ impl RobotPictures {
         self.small.get(robot)
     }
 
-    /// The texture of a robot's picture.
+    /// Returns the texture of a robot's picture.
     pub(crate) fn texture(&self, robot: usize, session: &Session) -> Option<egui::TextureId> {
         self.of(robot, session).map(|picture| picture.texture)
     }
@@ -135,7 +137,7 @@ pub(crate) fn equip(
     ));
 }
 
-/// Remembers where the robots were at the last two ticks.
+/// Records where the robots were at the last two ticks.
 pub(crate) fn note_poses(
     mut eyes: Query<(&mut RobotEye, &ChildOf)>,
     robots: Query<&Transform, With<TrialRobot>>,
@@ -147,8 +149,8 @@ pub(crate) fn note_poses(
     }
 }
 
-/// Draws what is shown: what the driven robot sees in each frame, or in every other one where drawing is slow, and what
-/// the others see in turns. Between two ticks the cameras glide.
+/// Draws the visible pictures: that of the driven robot in each frame, or in every other one if drawing
+/// is slow, and those of the others in turn. Between two ticks the cameras are interpolated.
 pub(crate) fn look(
     mut pictures: ResMut<RobotPictures>,
     session: Res<Session>,
@@ -178,10 +180,11 @@ pub(crate) fn look(
     }
 }
 
-/// The pose between the last two ticks, relative to the robot as it is now.
+/// Returns the pose between the last two ticks, relative to the present pose of the robot.
 fn between(eye: &RobotEye, robot: Transform, share: f32) -> Transform {
     let [from, to] = eye.poses;
-    // Robots that were just spawned come from nowhere, and those that were moved do not drive there.
+    // Robots that were just spawned or moved did not drive there, so that their poses are not
+    // interpolated.
     if from.translation.distance(to.translation) > 1.0 {
         return Transform::IDENTITY;
     }

@@ -1,4 +1,4 @@
-//! Writing the log to disk while the session continues.
+//! Writes the log to disk while the session continues.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use mapping_trial::trial::TrialLog;
 pub(crate) struct Saving(Option<Task<Result<(), String>>>);
 
 impl Saving {
-    /// Whether the last log is written; an error if it could not be written.
+    /// Returns whether the last log is written, or an error if it could not be written.
     pub(crate) fn is_done(&mut self) -> Result<bool, String> {
         let Some(task) = &mut self.0 else { return Ok(true) };
         let Some(written) = check_ready(task) else { return Ok(false) };

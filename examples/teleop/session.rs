@@ -1,4 +1,4 @@
-//! The session from the choice of a world to the scores: the person's actions and what is saved.
+//! The session, from the choice of a world to the scores: the person's actions, and what is saved.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -28,10 +28,11 @@ use crate::pace::Activity;
 use crate::saving::Saving;
 use crate::{output, start};
 
-/// Ticks between two writes of the log during the trial: the most that a power failure loses.
+/// Number of ticks between two writes of the log during the trial, which is the most that a power
+/// failure loses.
 const TICKS_PER_LOG: u64 = 200;
 
-/// The step of the session that the person is in.
+/// The phase of the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
     /// The person chooses the world and the trial.
@@ -54,7 +55,7 @@ pub(crate) struct Session {
     pub(crate) setup: SetupForm,
     /// The world that the settings describe.
     pub(crate) preview: WorldPreview,
-    /// What the robot is called.
+    /// Name of the robot.
     pub(crate) robot: String,
     /// The environment of the trials.
     pub(crate) world: Entity,
@@ -69,29 +70,29 @@ pub(crate) struct Session {
     pub(crate) ticks: u64,
     pub(crate) form: Option<FeedbackForm>,
     pub(crate) report: Option<TrialReport>,
-    /// The mappable area that the last trial was scored against.
+    /// The mappable area against which the last trial was scored.
     truth: Option<Arc<Reference>>,
     pub(crate) rival: PolicyKind,
     pub(crate) comparison: Option<Comparison>,
     /// The last event, in one line.
     pub(crate) message: String,
-    /// The folder that holds one folder per trial.
+    /// The folder with one folder per trial.
     out: PathBuf,
     /// The folder of the current or last trial.
     folder: PathBuf,
-    /// The worlds that the person has seen as they are: trials in them are not blind.
+    /// The worlds whose true state the person has seen. Trials in them are not blind.
     shown: Vec<Digest>,
-    /// The last of them.
+    /// The last of these worlds.
     last_shown: Option<Arc<envgen::World>>,
     saving: Saving,
-    /// Whether the world was read from a file, not generated from a spec.
+    /// Whether the world was read from a file. Otherwise it was generated from a spec.
     from_file: bool,
     /// Whether a trial begins as soon as the world is ready.
     pub(crate) begins: bool,
 }
 
 impl Session {
-    /// The session of the command line, which requests its world.
+    /// Creates the session of the command line, which requests its world.
     pub(crate) fn new(
         arguments: &Arguments,
         beginning: Beginning,
@@ -149,8 +150,8 @@ impl Session {
         }
     }
 
-    /// Begins a trial in the chosen world: spawns it first, unless it is that of the last trial. While the world is
-    /// being generated, the trial begins later.
+    /// Begins a trial in the chosen world. The world is spawned first, unless it is that of the last
+    /// trial. While it is being generated, the trial waits.
     pub(crate) fn begin(&mut self, spawned: Option<&GroundTruth>, commands: &mut Commands) {
         let Some(world) = self.preview.world() else {
             self.begins = self.preview.is_pending();
@@ -166,12 +167,14 @@ impl Session {
         environment.remove::<MappingTrial>();
         let wanted = Environment::prebuilt(Arc::clone(world)).with_origin_near(world);
         environment.insert((wanted, view, ShowIn3d));
-        // An equal world that was requested before is not requested again by itself, and is never ready.
+        // A world that equals the one requested before would not be requested again, and would never be
+        // ready.
         commands.trigger(RebuildEnvironment { entity: self.world });
         self.phase = Phase::Spawning;
     }
 
-    /// The seed of the sensor noise and of what moves in a world: its own, or for a world from a file the panel's.
+    /// Returns the seed of the sensor noise and of what moves in a world: the world's own seed or, for
+    /// a world from a file, that of the panel.
     pub(crate) fn seed_in(&self, world: &envgen::World) -> Seed {
         let made = world.provenance.seed.filter(|_| !self.from_file);
         made.unwrap_or(self.spec.seed())
@@ -264,7 +267,7 @@ impl Session {
     /// Returns to the settings because of an error.
     fn give_up(&mut self, error: String) {
         if self.phase == Phase::Running {
-            // Where nothing was written: only an empty folder is removed.
+            // If nothing was written, the folder is empty. Only an empty folder is removed.
             std::fs::remove_dir(&self.folder).ok();
         }
         self.message = error;
@@ -288,7 +291,8 @@ impl Session {
         }
     }
 
-    /// Marks the folder of a trial in a world that was shown before or during it: its scores are not blind.
+    /// Marks the folder of a trial in a world that was shown before or during the trial, so that its
+    /// scores are not blind.
     fn mark_training(&mut self) -> std::io::Result<()> {
         let marked = marked(&self.folder);
         std::fs::rename(&self.folder, &marked)?;
@@ -296,7 +300,7 @@ impl Session {
         Ok(())
     }
 
-    /// Notes that the person sees a true world. It stays known to them in later trials.
+    /// Records that the person sees a true world, which they also know in later trials.
     pub(crate) fn note_shown(&mut self, world: &Arc<envgen::World>) {
         if !self.last_shown.as_ref().is_some_and(|last| Arc::ptr_eq(last, world)) {
             self.shown.push(world.digest());
@@ -365,8 +369,8 @@ impl Session {
     }
 }
 
-/// Creates the first of the folders `001`, `002` and so on that does not exist, with or without a mark. Of two windows
-/// that begin at once each has its own.
+/// Creates the first of the folders `001`, `002` and so on that does not exist, with or without a mark.
+/// If two windows begin at the same time, each gets a folder of its own.
 fn new_folder(out: &Path) -> Result<PathBuf, Located<io::Error>> {
     let mut number = 1_u32;
     loop {
@@ -383,14 +387,14 @@ fn new_folder(out: &Path) -> Result<PathBuf, Located<io::Error>> {
     }
 }
 
-/// The folder of a trial during which the true world was shown.
+/// Returns the folder of a trial during which the true world was shown.
 fn marked(folder: &Path) -> PathBuf {
     let mut name = folder.as_os_str().to_owned();
     name.push("_training");
     name.into()
 }
 
-/// Hides the lines over the world, which show the true world, too.
+/// Hides the lines over the world, since they also show the true world.
 pub(crate) fn hide_lines(
     session: Res<Session>,
     mut of_world: ResMut<DebugLayers>,
@@ -402,7 +406,7 @@ pub(crate) fn hide_lines(
     }
 }
 
-/// The world is spawned: the trial begins.
+/// Begins the trial when the world is spawned.
 pub(crate) fn world_is_ready(
     ready: On<EnvironmentReady>,
     mut session: ResMut<Session>,
@@ -416,12 +420,12 @@ pub(crate) fn world_is_ready(
     }
 }
 
-/// The world cannot be spawned: the panel shows the error.
+/// Shows in the panel why the world cannot be spawned.
 pub(crate) fn world_has_failed(failed: On<EnvironmentFailed>, mut session: ResMut<Session>) {
     session.give_up(failed.error.to_string());
 }
 
-/// The trial has ended by itself.
+/// Handles the end of a trial that ended by itself.
 pub(crate) fn trial_has_ended(
     ended: On<TrialEnded>,
     mut session: ResMut<Session>,
@@ -434,7 +438,7 @@ pub(crate) fn trial_has_ended(
     }
 }
 
-/// The trial cannot begin: the panel shows the error.
+/// Shows in the panel why the trial cannot begin.
 pub(crate) fn trial_has_failed(failed: On<TrialFailed>, mut session: ResMut<Session>) {
     session.give_up(failed.error.to_string());
 }
@@ -462,7 +466,8 @@ pub(crate) fn count(mut session: ResMut<Session>, trials: Query<&MappingTrial>) 
     }
 }
 
-/// Takes what was computed in the background: a comparison, and the world that the settings describe.
+/// Takes the results of background computations: a comparison, and the world that the settings
+/// describe.
 pub(crate) fn poll(
     mut session: ResMut<Session>,
     truths: Query<&GroundTruth>,
@@ -478,7 +483,7 @@ pub(crate) fn poll(
     }
 }
 
-/// Why the window changes without inputs.
+/// Reasons for which the window changes without inputs.
 pub(crate) fn activity(session: Res<Session>) -> Activity {
     let compares = matches!(session.comparison, Some(Comparison::Running(_)));
     Activity {
@@ -487,7 +492,7 @@ pub(crate) fn activity(session: Res<Session>) -> Activity {
     }
 }
 
-/// Closing the window ends the trial and saves it.
+/// Ends the trial and saves it when the window is closed.
 pub(crate) fn save_at_exit(
     mut exits: MessageReader<AppExit>,
     mut session: ResMut<Session>,

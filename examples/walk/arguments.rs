@@ -29,7 +29,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// The world, and what moves in it.
+    /// Returns the world, and what moves in it.
     pub(crate) fn world(&self) -> Result<(World, Option<Scenario>), Box<dyn Error>> {
         let mut moving = ScenarioSpec::default();
         let mut own = Vec::new();
@@ -71,7 +71,7 @@ impl Arguments {
         Ok((world, moving))
     }
 
-    /// The spec; `None` for the file of a finished world.
+    /// Returns the spec; `None` for the file of a finished world.
     fn spec(&self) -> Result<Option<WorldSpec>, Box<dyn Error>> {
         let path = Path::new(&self.world);
         if path.exists() || path.extension().is_some() {

@@ -1,4 +1,4 @@
-//! A window to walk through a world, in first person or from behind.
+//! Opens a window in which one walks through a world, in first person or seen from behind.
 //!
 //! ```text
 //! cargo run --release --features window --example walk -- indoor --seed 3
@@ -7,8 +7,8 @@
 //! cargo run --release --features window --example walk -- assets/worlds/thesis_indoor.envgen.ron
 //! ```
 //!
-//! W, A, S, D walk, Shift runs, the mouse looks around once it was clicked, the left and right arrows turn too. V
-//! switches between the views, Esc frees the mouse.
+//! W, A, S, D walk, and Shift runs. After a click the mouse looks around; the left and right arrows
+//! turn as well. V switches between the views, and Esc frees the mouse.
 
 mod arguments;
 #[path = "../shared/samples.rs"]
@@ -34,7 +34,7 @@ use clap::Parser;
 
 use crate::arguments::Arguments;
 
-/// Of worlds with more parts, what is near is drawn...
+/// In worlds with more parts than this, only what is near is drawn...
 const MANY_PARTS: usize = 50_000;
 
 /// ...up to this distance in metres.
@@ -47,7 +47,7 @@ fn main() -> ExitCode {
     window::exit_code(run(&Arguments::parse()))
 }
 
-/// Opens the window. Mistakes in the command line are reported before.
+/// Opens the window. Errors in the command line are reported before.
 fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let (world, moving) = arguments.world()?;
     let start = walker::start(&world)?;

@@ -1,4 +1,4 @@
-//! Who walks: a body that rapier keeps out of walls, and the camera that goes with it.
+//! The walker: a body that Rapier keeps out of walls, with a camera.
 
 use std::error::Error;
 
@@ -23,43 +23,43 @@ use crate::samples::samples;
 /// Radius of the body in metres.
 const RADIUS: f32 = 0.25;
 
-/// Speeds of walking and of running in m/s.
+/// Walking and running speeds in m/s.
 const SPEEDS: (f32, f32) = (1.6, 4.0);
 
-/// Height of the eyes in metres, and of what the camera looks at from behind.
+/// Height of the eyes in metres, and height of the point at which the camera looks from behind.
 const EYES: f32 = 1.6;
 const SHOULDERS: f32 = 1.4;
 
-/// How far behind the camera is at most in metres, and its least distance to walls.
+/// Greatest distance in metres of the camera behind the walker, and its least distance to walls.
 const BEHIND: f32 = 2.8;
 const MARGIN: f32 = 0.15;
 
-/// The greatest height of the camera in metres, below ceilings.
+/// Greatest height of the camera in metres, which is below ceilings.
 const CEILING: f32 = 2.35;
 
-/// Radians per pixel of the mouse, and per second of the arrows.
+/// Turning in radians per pixel of the mouse, and per second of the arrow keys.
 const TURNING: (f32, f32) = (0.0025, 2.0);
 
-/// The greatest angle up and down in radians.
+/// Greatest angle of view up and down, in radians.
 const PITCH: f32 = 1.4;
 
-/// Who walks, and where they look.
+/// The walker, with the direction in which they look.
 #[derive(Component)]
 pub(crate) struct Walker {
-    /// Counter-clockwise from the x axis, in radians.
+    /// Heading, counter-clockwise from the x axis, in radians.
     heading: f32,
-    /// Above the horizon, in radians.
+    /// Angle above the horizon, in radians.
     pitch: f32,
     is_first_person: bool,
-    /// The places after the last two steps of physics, between which frames are.
+    /// The positions after the last two steps of physics, between which frames are interpolated.
     places: [Vec2; 2],
 }
 
-/// What is seen of who walks.
+/// The visible body of the walker.
 #[derive(Component)]
 pub(crate) struct Looks;
 
-/// Where to start: where the world says, or in the largest free region.
+/// Returns the start of the world or, if it has none, one in the largest free region.
 pub(crate) fn start(world: &World) -> Result<Pose, Box<dyn Error>> {
     if let Some(start) = world.start {
         return Ok(start);
@@ -67,7 +67,7 @@ pub(crate) fn start(world: &World) -> Result<Pose, Box<dyn Error>> {
     Ok(pose_of_most_clearance(world)?.ok_or("the world has no free space to start in")?)
 }
 
-/// The body at a pose in a world, of which `origin` is at zero.
+/// The body at a pose in a world, whose point `origin` is at the origin of the app.
 pub(crate) fn body(start: Pose, origin: DVec2) -> impl Bundle {
     let heading = start.heading as f32;
     let place = (start.position - origin).as_vec2();
@@ -95,7 +95,7 @@ pub(crate) fn spawn_camera(adapter: Res<RenderAdapterInfo>, mut commands: Comman
     ));
 }
 
-/// A click holds the mouse, Esc frees it.
+/// A click captures the mouse, and Esc frees it.
 pub(crate) fn hold_mouse(
     mut cursor: Single<&mut CursorOptions, With<PrimaryWindow>>,
     buttons: Res<ButtonInput<MouseButton>>,
@@ -121,7 +121,7 @@ pub(crate) fn look(
     let (walker, visibility) = &mut *walker;
     if keys.just_pressed(KeyCode::KeyV) {
         walker.is_first_person = !walker.is_first_person;
-        // One does not see one's own head from inside.
+        // In first person one's own head is not visible.
         let shown = if walker.is_first_person { Visibility::Hidden } else { Visibility::Inherited };
         visibility.set_if_neq(shown);
     }
@@ -135,7 +135,7 @@ pub(crate) fn look(
     walker.pitch = (walker.pitch + turn.y).clamp(-PITCH, PITCH);
 }
 
-/// -1, 0 or 1 for two sets of keys.
+/// Returns -1, 0 or 1 for two sets of keys.
 fn axis<const N: usize>(
     keys: &ButtonInput<KeyCode>,
     back: [KeyCode; N],
@@ -160,16 +160,16 @@ pub(crate) fn walk(
     at.rotation = Quat::from_rotation_z(walker.heading);
 }
 
-/// Notes where the last step of physics led.
+/// Records where the last step of physics ended.
 pub(crate) fn note_place(walker: Single<(&mut Walker, &Transform)>) {
     let (mut walker, at) = walker.into_inner();
     walker.places = [walker.places[1], at.translation.truncate()];
 }
 
-/// Who walks, without what is seen of them.
+/// The walker, without the visible body.
 type Body = (Without<Camera3d>, Without<Looks>);
 
-/// Puts the camera where the eyes are, or behind, and what is seen to the same place.
+/// Places the camera at the eyes or behind, and the visible body at the walker.
 pub(crate) fn follow(
     walker: Single<(Entity, &Walker, &Transform), Body>,
     mut camera: Single<&mut Transform, (With<Camera3d>, Without<Looks>)>,

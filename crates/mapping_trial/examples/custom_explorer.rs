@@ -1,4 +1,4 @@
-//! A custom exploration policy, compared with the built-in ones.
+//! Compares a custom exploration policy with the built-in ones.
 //!
 //! `cargo run --release --example custom_explorer`
 
@@ -12,9 +12,9 @@ use mapping_trial::policy::{Decision, ExplorationPolicy, PolicyInput, PolicyKind
 use mapping_trial::score::Scores;
 use mapping_trial::trial::{Trial, TrialBuilder, TrialSettings};
 
-/// Drives straight on until an obstacle is near, then turns to where the laser sees farthest.
+/// Drives straight ahead until an obstacle is near, then turns to where the laser sees farthest.
 struct Bounce {
-    /// Whether it is turning, in either direction.
+    /// Turn rate in rad/s while it turns.
     turning: Option<f64>,
 }
 
@@ -24,7 +24,7 @@ impl ExplorationPolicy for Bounce {
     }
 
     fn decide(&mut self, view: &PolicyInput<'_>) -> Decision {
-        // Lost beams are NaN, beams without an echo infinite: both fail the comparison.
+        // Lost beams are NaN and beams without an echo are infinite: both fail the comparison.
         let beams = || view.scan.ranges.iter().enumerate();
         let near = beams().any(|(beam, &range)| {
             view.laser.angle(beam).abs() < 0.8 && range < view.body.circumscribed_radius + 0.3
@@ -45,7 +45,7 @@ impl ExplorationPolicy for Bounce {
     }
 }
 
-/// Drives a trial to its end and scores it.
+/// Runs a trial to its end and scores it.
 fn score(world: &World, builder: TrialBuilder<'_>) -> Result<Scores, Box<dyn Error>> {
     let mut trial = builder.build_flat()?;
     while trial.step() {}

@@ -1,4 +1,4 @@
-//! A custom SLAM, compared with the built-in estimators: wheel odometry whose heading is
+//! Compares a custom SLAM estimator with the built-in ones. It uses wheel odometry whose heading is
 //! corrected by the walls, which in buildings are at right angles.
 //!
 //! `cargo run --release --example custom_slam`
@@ -18,10 +18,10 @@ use mapping_trial::slam::sweep::Sweeper;
 use mapping_trial::slam::{Slam, SlamKind};
 use mapping_trial::trial::{Setup, Trial, TrialBuilder, TrialSettings};
 
-/// Share of the difference between walls and heading that one scan corrects.
+/// Fraction of the difference between walls and heading that one scan corrects.
 const GAIN: f64 = 0.2;
 
-/// Wheel odometry with a compass of walls, for one robot.
+/// Wheel odometry with the walls as a compass, for one robot.
 struct WallCompass {
     sweeper: Sweeper,
     painter: ScanInserter,
@@ -52,7 +52,7 @@ impl Slam for WallCompass {
         let mut pose = Pose { position, heading: wrap_angle(heading + seen.odometry.turn) };
         if let Some(scan) = &seen.scan {
             let sweep = self.sweeper.sweep(scan);
-            // Directions from echo to echo, times four, are the same along all walls.
+            // The directions from echo to echo, times four, are the same along all walls.
             let walls = sweep.echoes.windows(2).map(|pair| (pair[1] - pair[0]).as_dvec2());
             let walls = walls.filter(|wall| wall.length() < 0.3).map(|wall| {
                 let angle = pose.heading + libm::atan2(wall.y, wall.x);
@@ -82,7 +82,7 @@ impl Slam for WallCompass {
     }
 }
 
-/// Drives a trial to its end and scores it.
+/// Runs a trial to its end and scores it.
 fn score(world: &World, builder: TrialBuilder<'_>) -> Result<Scores, Box<dyn Error>> {
     let mut trial = builder.build_flat()?;
     while trial.step() {}

@@ -1,13 +1,13 @@
-//! Runs trials under several conditions in many worlds, as a RON file lists them, and prints how
-//! they ended and which part of each score's variance belongs to the worlds.
+//! Runs the trials of a survey in RON, which has several conditions in many worlds. Prints how they
+//! ended, and how much of the variance of each score is due to the worlds.
 //!
 //! ```text
 //! cargo run --release --example survey -- assets/surveys/ends.survey.ron --out out/ends
 //! ```
 //!
-//! Every finished trial is on disk at once: the same command continues an interrupted run. The
-//! output folder gets `trials.jsonl`, `summary.json` and `ranks.csv`, the order of the worlds by score 1 and
-//! by score 2.
+//! Every finished trial is written to disk at once, so that the same command continues an interrupted
+//! run. The output folder gets `trials.jsonl`, `summary.json` and `ranks.csv`, which has the order of
+//! the worlds by score 1 and by score 2.
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
