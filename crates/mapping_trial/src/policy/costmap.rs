@@ -73,7 +73,7 @@ impl Costmap {
         }
     }
 
-    /// Changes the circumscribed radius in metres of the robot for which costs are, from now on.
+    /// Sets the circumscribed radius, in metres, of the robot for which costs are computed.
     pub(super) fn set_radius(&mut self, radius: f64) {
         self.inflation = Inflation::of_radius(radius);
         for tile in self.tiles.iter_mut() {

@@ -142,7 +142,8 @@ impl Frontiers {
         &self.cells[self.clusters[cluster].cells.clone()]
     }
 
-    /// The cell of a cluster that is nearest to a point, of those whose middle is wanted if there are any.
+    /// Returns the cell of a cluster that is nearest to a point: if there are any, one of those whose
+    /// middle is wanted.
     pub fn nearest_cell(
         &self,
         cluster: usize,

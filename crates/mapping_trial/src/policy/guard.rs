@@ -36,7 +36,7 @@ pub(super) struct Guard {
 }
 
 impl Guard {
-    /// For a robot and its laser.
+    /// Creates a guard for a robot and its laser.
     pub(super) fn new(robot: &Robot, laser: &LaserProfile) -> Self {
         let mount = robot.laser_pose(Pose::default());
         let beams =
@@ -116,7 +116,7 @@ impl Guard {
         free
     }
 
-    /// The same on the straight line along a unit vector of the robot's frame.
+    /// Returns the same distance for a straight line along a unit vector of the robot's frame.
     pub(super) fn free_towards(&self, direction: DVec2) -> f64 {
         let mut free = f64::INFINITY;
         for (echo, body) in self.obstacles() {

@@ -30,12 +30,12 @@ pub(super) struct Inflation {
 }
 
 impl Inflation {
-    /// For a valid robot.
+    /// Computes the inflation for a valid robot.
     pub(super) fn of(robot: &Robot) -> Self {
         Inflation::of_radius(robot.circumscribed_radius)
     }
 
-    /// For a circumscribed radius in metres, at least 0.05.
+    /// Computes the inflation for a circumscribed radius in metres, at least 0.05.
     pub(super) fn of_radius(radius: f64) -> Self {
         let larger = radius - PIONEER_3AT.circumscribed_radius;
         let squared = DISTANCES.map(|distance| {

@@ -82,7 +82,8 @@ impl Path {
     }
 
     /// Calls `visit` with points of the path from the robot's position on, `step` metres apart and at
-    /// most `far` metres ahead, until it returns false. The end is always among the points.
+    /// most `far` metres ahead, until it returns false. If the path ends within this distance, its end
+    /// is one of the points.
     pub(super) fn ahead(&self, step: f64, far: f64, mut visit: impl FnMut(DVec2) -> bool) {
         let (mut piece, mut along, mut left) = (self.piece, self.along, far);
         while piece + 1 < self.points.len() {

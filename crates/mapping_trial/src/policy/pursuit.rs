@@ -1,5 +1,6 @@
-//! Regulated pure pursuit (Macenski et al., Regulated pure pursuit for robot path tracking, Autonomous Robots 47,
-//! 2023, <https://doi.org/10.1007/s10514-023-10097-6>): follows a path, slower in curves and near walls, and stops for obstacles that the laser sees.
+//! Regulated pure pursuit (Macenski et al., Regulated pure pursuit for robot path tracking, Autonomous
+//! Robots 47, 2023, <https://doi.org/10.1007/s10514-023-10097-6>): follows a path, slower in curves and
+//! near walls, and stops for obstacles that the laser sees.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use glam::DVec2;
