@@ -60,7 +60,7 @@ pub struct Observation {
     pub battery: f64,
 }
 
-/// Whether a robot can still drive.
+/// Whether a robot can still drive, and if not, why.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
@@ -93,7 +93,7 @@ pub trait RobotBackend {
     /// policies.
     fn pose(&self, robot: usize) -> Pose;
 
-    /// Returns whether a robot can still drive.
+    /// Returns whether a robot can still drive, and if not, why.
     fn condition(&self, robot: usize) -> Condition;
 
     /// Returns the number of collisions of a robot so far, without those with people.

@@ -51,7 +51,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// Three standard deviations around an expected pose.
+    /// Returns the window of three standard deviations around an expected pose.
     pub fn around(centre: Pose, deviation: f64, heading_deviation: f64) -> Self {
         let (reach, heading_reach) = (3.0 * deviation, 3.0 * heading_deviation);
         Window { centre, deviation, heading_deviation, reach, heading_reach }
@@ -162,7 +162,7 @@ impl Matcher {
         Some(self.at_lattice(field, echoes, window, step).response)
     }
 
-    /// As [`Matcher::find`], without the refinement: for benchmarks and tests.
+    /// Does the same as [`Matcher::find`] without the refinement, for benchmarks and tests.
     #[doc(hidden)]
     pub fn find_coarse(
         &mut self,

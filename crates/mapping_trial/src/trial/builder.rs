@@ -141,8 +141,8 @@ impl<'w> TrialBuilder<'w> {
         self
     }
 
-    /// Sets a known reference for this world, robot and start. It need not be computed then if the time
-    /// limit depends on the area.
+    /// Sets a known reference for this world, robot and start. If the time limit depends on the area,
+    /// this saves the computation of the area.
     #[must_use]
     pub fn reference(mut self, reference: &Reference) -> Self {
         self.area = Some(reference.free_area());

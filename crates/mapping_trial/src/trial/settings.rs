@@ -33,13 +33,12 @@ settings! {
     pub struct TrialSettings {
         /// Seed of the sensor noise.
         seed: Seed = Seed(0) => other("", "a whole number");
-        /// The exploration policy that drives; none if a person drives. Its name in files is
-        /// `operator`.
+        /// The exploration policy that drives, `operator` in files; none for a person.
         #[serde(rename = "operator", alias = "policy")]
         policy: Option<PolicyKind> = Some(PolicyKind::Nearest) => optional_other("", "a policy's name");
-        /// The estimator of poses and map.
+        /// How poses and map are estimated.
         slam: SlamKind = SlamKind::ScanToMap => other("", "an estimator's name");
-        /// The systematic errors of the wheels that are learned.
+        /// Which systematic errors of the wheels are learned.
         #[serde(skip_serializing_if = "WheelCalibration::is_default")]
         wheel_calibration: WheelCalibration = WheelCalibration::Turns =>
             other("", "none, turns or turns_and_distances");
@@ -47,17 +46,17 @@ settings! {
         robots: u32 = 1 => integer("", 1..=MAX_ROBOTS as u64);
         /// Simulated time after which the trial ends.
         time_limit: f64 = 1200.0 => number("s", 0.05..=MAX_TIME_LIMIT);
-        /// Time limit per square metre that can be mapped, in place of `time_limit`: at least 300 s in
-        /// all. The battery lasts at least as long.
+        /// Simulated time per square metre that can be mapped after which the trial ends, in place of
+        /// `time_limit`: at least 300 s in all. The battery lasts at least as long.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         time_per_area: Option<f64> = None => number("s/m^2", 0.01..=1000.0);
-        /// Start pose of the first robot, in metres and radians; if none, the world's own start.
+        /// Where the first robot starts, in metres and radians; none is the world's own start.
         start: Option<Pose> = None => optional_other("", "a pose");
         /// Size and limits of the robots.
         body: Robot = Robot::default() => nested;
-        /// Profile of the robots' lasers.
+        /// What their lasers measure.
         laser: LaserProfile = LaserProfile::default() => nested;
-        /// Errors of the robots' wheel odometry.
+        /// What their wheels measure.
         odometry: OdometryProfile = OdometryProfile::default() => nested;
     }
 }
