@@ -71,7 +71,9 @@ impl Studio {
     /// # Errors
     /// [`CaptureError::NoRenderer`].
     pub fn new() -> Result<Self, CaptureError> {
-        log::debug!("drawing by {}", find_renderer()?);
+        // Before the macro, which evaluates its arguments only where such messages are logged.
+        let renderer = find_renderer()?;
+        log::debug!("drawing by {renderer}");
         let mut app = App::new();
         app.add_plugins((
             TaskPoolPlugin::default(),
