@@ -7,7 +7,7 @@ use clap::Parser;
 use envgen::geometry::Pose;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
-use envgen::scenario::Scenario;
+use envgen::scenario::{Scenario, ScenarioState};
 use envgen::whole_file::{WholeFile, refuse_inputs};
 use envgen::{Blueprint, Seed, Spec, World, import};
 use mapping_trial::mappable_area::MappableArea;
@@ -190,7 +190,9 @@ impl Arguments {
     pub(crate) fn scenario(&self, world: &World) -> Result<Option<Scenario>, Box<dyn Error>> {
         if let Some(path) = &self.scenario {
             let text = std::fs::read_to_string(path).in_file(path)?;
-            return Ok(Some(Scenario::from_ron(&text).in_file(path)?));
+            let scenario = Scenario::from_ron(&text).in_file(path)?;
+            ScenarioState::new(world, &scenario).in_file(path)?;
+            return Ok(Some(scenario));
         }
         let spec = moving::spec(&self.settings)?;
         if spec.is_still() {

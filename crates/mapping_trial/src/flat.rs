@@ -326,8 +326,8 @@ impl FlatSimulator {
         let disc = &mut self.discs[robot];
         disc.pose = Pose { position, heading: wrap_angle(from.heading + turn) };
         disc.turn_rate = turn_rate;
-        // What stops the disc stops its wheels.
-        disc.speed = if touching { distance / TICK } else { speed };
+        // What stops the disc stops its wheels; what pushes it does not drive them.
+        disc.speed = if touching { limited(distance / TICK, speed) } else { speed };
         let rolled = Increment { distance: ground.rolled(distance), turn };
         disc.measured = disc.sensors.odometry.measure(rolled, ground.odometry_noise);
         if disc.clear >= TICKS_BETWEEN_COLLISIONS {
@@ -344,6 +344,12 @@ impl FlatSimulator {
             (disc.speed, disc.turn_rate, disc.touching) = (0.0, 0.0, false);
         }
     }
+}
+
+/// Limits a speed to the magnitude of another, but for rounding.
+fn limited(speed: f64, greatest: f64) -> f64 {
+    const ROUNDING: f64 = 1e-6;
+    if speed.abs() > greatest.abs() + ROUNDING { greatest.abs().copysign(speed) } else { speed }
 }
 
 /// What a disc touches: a wall counts where it touches both.

@@ -157,7 +157,8 @@ impl ScenarioRun {
         self.switches.is_paused
     }
 
-    /// Pauses or resumes the scenario.
+    /// Pauses or resumes the scenario. A `MappingTrial` of `bevy_mapping_trial` that runs in the environment
+    /// resumes it.
     pub fn set_paused(&mut self, is_paused: bool) {
         self.switches.is_paused = is_paused;
     }

@@ -293,6 +293,12 @@ pub(super) fn command(
     for (entity, mut trial, manual_control, mut moving) in &mut trials {
         let MappingTrial { ask, state, .. } = &mut *trial.bypass_change_detection();
         let State::Running(run) = state else { continue };
+        if let Some(moving) = &mut moving
+            && moving.is_paused()
+        {
+            // What the trial's log and scores say is that everything moves in each of its ticks.
+            moving.set_paused(false);
+        }
         let given = match ask {
             Request::Replay(log) => {
                 if let Some(moving) = &mut moving {

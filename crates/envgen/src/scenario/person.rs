@@ -65,8 +65,17 @@ impl Reaction {
             Reaction::Curious if distance > STOP => {
                 direction * (MAX_CURIOUS * distance.min(10.0) / 10.0)
             }
-            Reaction::Scared => direction * -0.6,
+            Reaction::Scared => direction * -SCARED_SPEED,
             _ => DVec2::ZERO,
+        }
+    }
+
+    /// Returns the greatest speed in m/s of a person who reacts to a robot.
+    pub(super) fn max_speed(self) -> f64 {
+        match self {
+            Reaction::Curious => MAX_CURIOUS,
+            Reaction::Scared => SCARED_SPEED,
+            _ => 0.0,
         }
     }
 }
@@ -74,8 +83,9 @@ impl Reaction {
 /// Half the distance between the centres of a person's legs, in metres.
 const LEG_OFFSET: f64 = 0.15;
 
-/// The greatest speed of a curious person, in m/s.
-pub(super) const MAX_CURIOUS: f64 = 1.8;
+/// The greatest speed of a curious person, and the speed of a scared one, in m/s.
+const MAX_CURIOUS: f64 = 1.8;
+const SCARED_SPEED: f64 = 0.6;
 
 /// The state of a person: position, velocity and activity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -164,9 +174,6 @@ impl PersonState {
 
 /// Returns the greatest speed that any of these people can have, in m/s.
 pub(crate) fn max_speed(people: &[Person]) -> f64 {
-    let speed = |person: &Person| match person.reaction {
-        Reaction::Curious => person.speed.max(MAX_CURIOUS),
-        _ => person.speed,
-    };
-    people.iter().map(speed).fold(0.6, f64::max)
+    let speed = |person: &Person| person.speed.max(person.reaction.max_speed());
+    people.iter().map(speed).fold(0.0, f64::max)
 }

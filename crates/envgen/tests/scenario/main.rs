@@ -9,6 +9,7 @@ mod access;
 mod doors;
 mod driven;
 mod people;
+mod robots;
 mod smoke;
 mod whole;
 

@@ -272,7 +272,10 @@ mod tests {
             // A line that is cut at one end alone is 1.75 times as high in the second case. The mean of 1000 absolute
             // errors deviates by about 3 % at random.
             let most = (1.2 * true_error).max(LEAST_ERROR + 1e-9);
-            assert!((0.85 * true_error..=most).contains(&stated), "{zero} {ten}: {stated}, {true_error}");
+            assert!(
+                (0.85 * true_error..=most).contains(&stated),
+                "{zero} {ten}: {stated}, {true_error}"
+            );
         }
     }
 }

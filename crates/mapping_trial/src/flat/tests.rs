@@ -1,6 +1,7 @@
 use std::f64::consts::PI;
 
 use envgen::geometry::{Rect, Shape};
+use envgen::scenario::{Person, Reaction, Scenario, ScenarioSpec};
 use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
 use envgen::{Blueprint, Provenance, Spec};
 use proptest::prelude::*;
@@ -219,6 +220,24 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn a_robot_that_is_pushed_does_not_drive_on() {
+    let world = room(12.0, 6.0);
+    let mut scenario =
+        Scenario::new(&world, &ScenarioSpec::default(), Seed(1)).expect("a scenario");
+    let position = DVec2::new(2.9, 3.0);
+    let reaction = Reaction::Surprised;
+    scenario.people = vec![Person { position, heading: 0.0, speed: 1.0, reaction }];
+    let state = ScenarioState::new(&world, &scenario).expect("a state");
+    // Robot and person overlap by 0.21 m.
+    let mut bodies = simulator(&world, &[Pose::new(3.3, 3.0, 0.0)]).in_scenario(state, Seed(1));
+    for _ in 0..40 {
+        bodies.advance(&[Command::STOP]);
+    }
+    let moved = bodies.pose(0).position.x - 3.3;
+    assert!((0.2..0.25).contains(&moved), "{moved} m");
 }
 
 #[test]

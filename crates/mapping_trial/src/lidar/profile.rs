@@ -10,6 +10,9 @@ use envgen::{SpecError, settings};
 /// reports.
 const SICK_RANGE: f64 = 30.0;
 
+/// The range that lasers would have without smoke is at least this many times what they report.
+const RESERVE: f64 = 1.1;
+
 settings! {
     /// The beams, the range and the errors of a laser.
     ///
@@ -83,9 +86,9 @@ impl LaserProfile {
 
     /// Returns the model of this laser in smoke.
     ///
-    /// A laser with a field of view of at most 180 degrees counts as a SICK, which would see 30 m
-    /// without smoke, or its `max_range` if that is more. Any other laser counts as a Hokuyo, which
-    /// would see its `max_range`.
+    /// Without smoke, every laser would see at least 1.1 times its `max_range`: what is so thin that
+    /// nobody sees it stops no beam. A laser with a field of view of at most 180 degrees counts as a
+    /// SICK, which would see at least 30 m. Any other laser counts as a Hokuyo.
     ///
     /// ```
     /// use envgen::scenario::{SmokeProfile, smoke};
@@ -101,8 +104,8 @@ impl LaserProfile {
         let is_sick = self.field_of_view <= PI;
         match profile {
             SmokeProfile::Physical => {
-                let power_range =
-                    if is_sick { self.max_range.max(SICK_RANGE) } else { self.max_range };
+                let least = RESERVE * self.max_range;
+                let power_range = if is_sick { least.max(SICK_RANGE) } else { least };
                 smoke::Laser::Physical { power_range }
             }
             SmokeProfile::Usarsim if is_sick => smoke::Laser::Sick,

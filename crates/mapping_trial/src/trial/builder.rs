@@ -187,7 +187,9 @@ impl<'w> TrialBuilder<'w> {
     pub fn setup(&mut self) -> Result<Setup<'_>, TrialError> {
         self.settings.validate()?;
         let start = self.settings.start.or(self.world.start).ok_or(TrialError::NoStart)?;
-        self.starts = starts(self.world, start, self.settings.robots, &self.settings.body)?;
+        let people = self.scenario.as_ref().map_or(&[][..], |scenario| &scenario.people);
+        let TrialSettings { robots, body, .. } = &self.settings;
+        self.starts = starts(self.world, start, *robots, body, people)?;
         if self.settings.time_per_area.is_some() {
             let area = self.area(self.starts[0])?;
             self.settings.limit_time(area);

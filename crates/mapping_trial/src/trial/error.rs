@@ -48,6 +48,21 @@ pub enum TrialError {
         /// Radius in metres that a robot needs.
         radius: f64,
     },
+    /// A person of the scenario is too near to a start.
+    #[error(
+        "a start at ({}, {}) is {distance:.3} m from person {person} of the scenario, expected at least {least} m",
+        start.position.x, start.position.y
+    )]
+    OccupiedStart {
+        /// The start.
+        start: Pose,
+        /// The index of the person.
+        person: usize,
+        /// Distance in metres from the start to the centre of the person.
+        distance: f64,
+        /// Least distance in metres, at which robot and person touch.
+        least: f64,
+    },
     /// A robot cannot drive on the ground at the start, or it is water.
     #[error("a robot cannot drive on the ground at the start ({}, {})", start.position.x, start.position.y)]
     DeepStart {

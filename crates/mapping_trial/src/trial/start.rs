@@ -4,6 +4,7 @@ use envgen::World;
 use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Pose, unit_vector};
 use envgen::raycast::Raycaster;
+use envgen::scenario::{PERSON_RADIUS, Person};
 use envgen::surface_index::SurfaceIndex;
 use glam::DVec2;
 
@@ -17,12 +18,13 @@ const APART: f64 = 1.0;
 const FAR: f64 = 8.0;
 
 /// Returns a start for each robot: the first at `start`, the others near it and in its sight, with the
-/// same heading.
+/// same heading. All are free of the people of a scenario, where they begin.
 pub(super) fn starts(
     world: &World,
     start: Pose,
     robots: u32,
     body: &Robot,
+    people: &[Person],
 ) -> Result<Vec<Pose>, TrialError> {
     if !world.bounds.contains(start.position) {
         return Err(TrialError::OutsideStart { start });
@@ -36,6 +38,13 @@ pub(super) fn starts(
     }
     if grounds.at(start.position).is_barrier() {
         return Err(TrialError::DeepStart { start });
+    }
+    let to_person = |p: DVec2, person: &Person| person.position.distance(p);
+    let least = radius + PERSON_RADIUS;
+    let is_met = |person: &Person| to_person(start.position, person) < least;
+    if let Some(person) = people.iter().position(is_met) {
+        let distance = to_person(start.position, &people[person]);
+        return Err(TrialError::OccupiedStart { start, person, distance, least });
     }
     let mut starts = vec![start];
     let rays = Raycaster::at_height(world, body.laser_mount.height);
@@ -61,6 +70,7 @@ pub(super) fn starts(
             world.bounds.contains(p)
                 && starts.iter().all(|other| other.position.distance(p) >= APART.max(2.5 * radius))
                 && near.clearance(p) >= radius + 0.05
+                && people.iter().all(|person| to_person(p, person) >= least + 0.05)
                 && !grounds.at(p).is_barrier()
                 && sees(p)
         };
@@ -78,6 +88,7 @@ pub(super) fn starts(
 #[cfg(test)]
 mod tests {
     use envgen::geometry::{Rect, Shape};
+    use envgen::scenario::Reaction;
     use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
     use envgen::{Blueprint, Provenance, Seed, Spec};
 
@@ -100,7 +111,7 @@ mod tests {
             let spec = envgen::indoor::IndoorSpec::default();
             let world = spec.generate(Seed(seed)).expect("a map").to_world();
             let start = world.start.expect("a start");
-            let starts = starts(&world, start, 4, &body).expect("room for four");
+            let starts = starts(&world, start, 4, &body, &[]).expect("room for four");
             assert_eq!(starts[0], start);
             for (i, a) in starts.iter().enumerate() {
                 assert!(world.clearance(a.position) >= body.circumscribed_radius);
@@ -116,7 +127,8 @@ mod tests {
         let body = Robot::default();
         let mut world = room(DVec2::new(3.0, 1.0));
         let error = |world: &World, x: f64, robots| {
-            starts(world, Pose::new(x, 0.5, 0.0), robots, &body).expect_err("no start").to_string()
+            let start = Pose::new(x, 0.5, 0.0);
+            starts(world, start, robots, &body, &[]).expect_err("no start").to_string()
         };
         let text = error(&world, 0.1, 1);
         assert!(text.contains("(0.1, 0.5)") && text.contains("0.100 m"), "{text}");
@@ -125,5 +137,27 @@ mod tests {
         let kind = SurfaceKind::Water;
         world.surfaces.push(Surface { speed: 0.0, ..Surface::new(kind, shape) });
         assert!(error(&world, 1.5, 1).contains("cannot drive"));
+    }
+
+    #[test]
+    fn robots_start_beside_people() {
+        let body = Robot::default();
+        let world = room(DVec2::splat(6.0));
+        let start = Pose::new(3.0, 3.0, 0.0);
+        let person = |x: f64| Person {
+            position: DVec2::new(x, 3.0),
+            heading: 0.0,
+            speed: 1.3,
+            reaction: Reaction::Regular,
+        };
+        // Where the second robot starts without the person.
+        let alone = starts(&world, start, 2, &body, &[]).expect("room for two");
+        let there = Person { position: alone[1].position, ..person(0.0) };
+        let beside = starts(&world, start, 2, &body, &[there]).expect("room for two");
+        let least = body.circumscribed_radius + PERSON_RADIUS;
+        assert!(beside[1].position.distance(there.position) >= least, "{beside:?}");
+        let met = [person(5.0), person(3.4)];
+        let error = starts(&world, start, 1, &body, &met).expect_err("a person").to_string();
+        assert!(error.contains("0.400 m from person 1"), "{error}");
     }
 }

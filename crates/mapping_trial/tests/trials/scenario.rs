@@ -11,6 +11,7 @@ use envgen::world::{Wall, WallKind};
 use envgen::{Blueprint, Provenance, Seed, Spec, World};
 use mapping_trial::backend::{Command, RobotBackend};
 use mapping_trial::flat::FlatSimulator;
+use mapping_trial::lidar::LaserProfile;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
 
@@ -91,6 +92,30 @@ fn smoke_hides_what_is_beyond_its_range() {
     assert!(scan(FailedBeams::Zero).iter().all(|range| *range == 0.0));
     let phantom = scan(FailedBeams::Phantom);
     assert!(phantom.iter().all(|range| (0.8..8.19).contains(range)), "{phantom:?}");
+}
+
+#[test]
+fn smoke_that_nobody_sees_stops_no_beam() {
+    let world = hall(40.0, 10.0, Pose::new(20.0, 5.0, 0.0));
+    for laser in [LaserProfile::URG_04LX, LaserProfile::WIDE_12M, LaserProfile::USARSIM] {
+        let scan = |smoke: Option<f64>| {
+            let laser = laser.clone();
+            let mut builder = Trial::builder(&world, TrialSettings { laser, ..settings(60.0) });
+            if let Some(smoke) = smoke {
+                let failed_beams = FailedBeams::Zero;
+                let spec =
+                    ScenarioSpec { smoke, smoke_radius: 100.0, failed_beams, ..Default::default() };
+                let scenario = Scenario::new(&world, &spec, Seed(1)).expect("a scenario");
+                builder = builder.scenario(scenario);
+            }
+            let mut trial = builder.build_flat().expect("a trial");
+            assert!(trial.step());
+            trial.autonomy().scan(0).ranges.clone()
+        };
+        assert_eq!(scan(Some(1e-6)), scan(None));
+        // Along the hall there is nothing within the range of the laser.
+        assert!(scan(Some(0.5)).contains(&0.0));
+    }
 }
 
 #[test]

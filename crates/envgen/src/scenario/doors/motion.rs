@@ -20,8 +20,10 @@ const SLAMMING: f64 = 0.15;
 const HOLD: f64 = 2.0;
 const HOLD_TICKS: u64 = (HOLD * TICKS_PER_SECOND as f64) as u64;
 
-/// The distance in metres from the middle of a triggered door within which a robot or a person opens it.
+/// The distance in metres from the middle of a triggered door within which a robot or a person opens it. It is this
+/// much more than the reach of the leaves where that is farther: people wait outside of the swing.
 const TRIGGER: f64 = 2.0;
+const BEYOND_LEAVES: f64 = PERSON_RADIUS + 0.3;
 
 /// A leaf stops at this distance from a body, in metres.
 pub(crate) const LEAF_GAP: f64 = 0.02;
@@ -167,14 +169,12 @@ impl DoorState {
                 }
             }
             DoorControl::Triggered => {
-                let middle = shape.middle();
-                let near = |p: DVec2, _| p.distance_squared(middle) < TRIGGER * TRIGGER;
-                let is_asked = bodies.robots.iter().any(|robot| near(robot.position, 0.0))
-                    || bodies.near.any(middle, TRIGGER, |i| {
-                        bodies
-                            .people
-                            .get(i)
-                            .is_some_and(|person| person.is_walking() && near(person.position, 0.0))
+                let (middle, reach) = (shape.middle(), TRIGGER.max(shape.reach() + BEYOND_LEAVES));
+                let is_near = |p: DVec2| p.distance_squared(middle) < reach * reach;
+                let is_asked = bodies.robots.iter().any(|robot| is_near(robot.position))
+                    || bodies.near.any(middle, reach, |i| {
+                        let person = bodies.people.get(i);
+                        person.is_some_and(|person| person.is_walking() && is_near(person.position))
                     });
                 if is_asked {
                     self.due = clock.tick + HOLD_TICKS;

@@ -5,11 +5,11 @@ use glam::DVec2;
 use super::door_passage::passes_door;
 use super::orca::{Disc, HalfPlane, WALL_HORIZON, avoid, keep_off, solve};
 use super::sights::Sights;
-use super::surroundings::{Surroundings, nearest_robot};
+use super::surroundings::Surroundings;
 use crate::scenario::ScenarioSpec;
 use crate::scenario::doors::DoorState;
 use crate::scenario::neighbourhood::{Neighbour, Neighbourhood, RANGE, REBUILD};
-use crate::scenario::person::{MAX_CURIOUS, PERSON_RADIUS, Person, PersonState, Reaction, Task};
+use crate::scenario::person::{PERSON_RADIUS, Person, PersonState, Reaction, Task};
 use crate::scenario::tick::{TICK, TICKS_PER_SECOND};
 use crate::seed::Seed;
 
@@ -115,8 +115,12 @@ impl Crowd {
             }
         }
         if !around.robots.is_empty() {
-            // Robots are looked at by everyone.
-            self.quiet_until.fill(0);
+            // Everyone looks at robots, but for those who are stopped: they look again when it is time.
+            for (until, person) in self.quiet_until.iter_mut().zip(&self.people) {
+                if !person.is_walking() || person.velocity != DVec2::ZERO {
+                    *until = 0;
+                }
+            }
         }
         for i in 0..self.people.len() {
             if !self.is_quiet(i, around.tick) {
@@ -218,9 +222,9 @@ impl Crowd {
             }
             Task::React { .. } if around.robots.is_empty() => return Wish::STAND,
             Task::React { .. } => {
-                let robot = nearest_robot(person.position, around.robots);
-                let to = robot.position - person.position;
-                (around.people[i].reaction.velocity(to), MAX_CURIOUS)
+                let reaction = around.people[i].reaction;
+                let to = around.noticed_robot(person.position).position - person.position;
+                (reaction.velocity(to), reaction.max_speed())
             }
         };
         if preferred == DVec2::ZERO {
@@ -408,8 +412,12 @@ impl Crowd {
                     around.seed.attempt("scenario/people/stay", i as u64, person.draws);
                 let is_work = person.draws.is_multiple_of(2);
                 let mean = if is_work { around.spec.working } else { around.spec.waiting };
-                let stay = ticks(-mean * libm::log1p(-stream.unit()));
+                let mut stay = ticks(-mean * libm::log1p(-stream.unit()));
                 person.held_up.1 = 0;
+                if around.is_in_doorway(person.position) {
+                    // Only who finds no room elsewhere stops here, and leaves again soon.
+                    stay = stay.min(TICKS_PER_SECOND);
+                }
                 person.task = Task::Stand { until: around.tick + stay };
             }
         } else if person.on_path {

@@ -6,6 +6,7 @@ use super::crowd::{Crowd, ticks};
 use super::surroundings::{Surroundings, nearest_robot};
 use crate::scenario::TICKS_PER_SECOND;
 use crate::scenario::person::{PersonState, Reaction, Task};
+use crate::scenario::robot::Robot;
 
 /// The progress that a person must make within [`PATIENCE`] ticks, or else goes elsewhere: this distance in metres,
 /// or a walk of so many seconds.
@@ -46,28 +47,28 @@ impl Crowd {
         let reaction = around.people[i].reaction;
         let Some((range, seconds)) = reaction.trigger() else { return false };
         let person = &mut self.people[i];
-        let nearest = nearest_robot(person.position, around.robots);
-        let to = nearest.position - person.position;
-        let look = |person: &mut PersonState| {
+        let look = |person: &mut PersonState, robot: Robot| {
             if reaction == Reaction::Surprised {
+                let to = robot.position - person.position;
                 person.facing = to.normalize_or(person.facing);
             }
         };
         if let Task::React { until } = person.task {
             let reacts = around.tick < until;
             if reacts {
-                look(person);
+                look(person, around.noticed_robot(person.position));
             }
             return reacts;
         }
-        let distance = to.length();
-        if distance > 1.5 * range {
+        let nearest = nearest_robot(person.position, around.robots);
+        if nearest.position.distance(person.position) > 1.5 * range {
             person.is_used_to_robot = false;
         }
-        if person.is_used_to_robot || distance >= range || !around.sees(person.position, to) {
+        if person.is_used_to_robot {
             return false;
         }
-        look(person);
+        let Some(robot) = around.seen_robot(person.position, range) else { return false };
+        look(person, robot);
         person.is_used_to_robot = true;
         person.task = Task::React { until: around.tick + ticks(seconds) };
         person.path.clear();

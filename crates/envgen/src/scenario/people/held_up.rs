@@ -114,9 +114,12 @@ impl Crowd {
                 p.distance_squared(from) >= least * least && is_fit(cell) && leads_on(p)
             })
         };
-        let is_roomy = |cell| space.cell_clearance(cell) >= ROOMY && door_zones.of(cell).is_empty();
-        let found =
-            to_place.or_else(|| aside(ASIDE, &is_roomy)).or_else(|| aside(STEP_BACK, &|_| true));
+        let is_off_doors = |cell| door_zones.of(cell).is_empty();
+        let is_roomy = |cell| space.cell_clearance(cell) >= ROOMY && is_off_doors(cell);
+        let found = to_place
+            .or_else(|| aside(ASIDE, &is_roomy))
+            .or_else(|| aside(STEP_BACK, &is_off_doors))
+            .or_else(|| aside(STEP_BACK, &|_| true));
         let Some((cell, path)) = found else { return false };
         let person = &mut self.people[i];
         person.draws += 1;

@@ -12,6 +12,9 @@ use crate::world::World;
 /// The least distance in metres of a person from a doorway's middle, beyond half its width.
 const OFF_DOORWAYS: f64 = 0.7;
 
+/// The distance in metres from the start of the world within which people are placed last: robots start there.
+const OFF_START: f64 = 1.25;
+
 /// The clearance in metres from which others can mostly pass beside a place.
 pub(super) const ROOMY: f64 = 0.4;
 
@@ -53,11 +56,17 @@ pub(crate) fn find_places(
     // Cells in the order of exponential waits at rates of one over the size of their room: a weighted
     // sample without replacement (Efraimidis and Spirakis, Information Processing Letters 97, 2006).
     let mut stream = seed.stream("scenario/people/places", 0);
-    let mut order: Vec<(bool, f64, usize)> = candidates
+    let start = world.start.map(|start| start.position);
+    let is_at_start = |cell: usize| {
+        start.is_some_and(|p| frame.center_of(cell).distance_squared(p) < OFF_START * OFF_START)
+    };
+    let mut order: Vec<(u8, f64, usize)> = candidates
         .into_iter()
         .map(|cell| {
             let wait = -libm::log1p(-stream.unit()) * f64::from(sizes[rooms[cell] as usize]);
-            (space.cell_clearance(cell) < ROOMY, wait, cell)
+            let rank =
+                if is_at_start(cell) { 2 } else { u8::from(space.cell_clearance(cell) < ROOMY) };
+            (rank, wait, cell)
         })
         .collect();
     order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
@@ -72,12 +81,7 @@ pub(crate) fn find_places(
 }
 
 /// Returns the first cells that are at least `spacing` metres from those before them.
-fn spread(
-    space: &FreeSpace,
-    order: &[(bool, f64, usize)],
-    spacing: f64,
-    most: usize,
-) -> Vec<DVec2> {
+fn spread(space: &FreeSpace, order: &[(u8, f64, usize)], spacing: f64, most: usize) -> Vec<DVec2> {
     let frame = space.frame;
     let mut taken = vec![false; frame.len()];
     let mut places = Vec::new();

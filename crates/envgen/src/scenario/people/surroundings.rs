@@ -8,7 +8,7 @@ use crate::grid::CellBuckets;
 use crate::raycast::Raycaster;
 use crate::scenario::ScenarioSpec;
 use crate::scenario::doors::{DoorShape, DoorState};
-use crate::scenario::person::Person;
+use crate::scenario::person::{PERSON_RADIUS, Person};
 use crate::scenario::robot::Robot;
 use crate::seed::Seed;
 
@@ -36,6 +36,38 @@ pub(crate) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
+    /// Returns whether a person at a point is where leaves can be, as at no place to which people go.
+    pub(super) fn is_in_doorway(&self, p: DVec2) -> bool {
+        let is_near = |door: &u32| {
+            let shape = &self.shapes[*door as usize];
+            p.distance(shape.middle()) < shape.reach() + PERSON_RADIUS
+        };
+        self.at(self.door_zones, p).iter().any(is_near)
+    }
+
+    /// Returns the nearest robot within a distance in metres of a point that is in sight of it.
+    pub(super) fn seen_robot(&self, p: DVec2, range: f64) -> Option<Robot> {
+        let mut seen: Option<(f64, Robot)> = None;
+        for robot in self.robots {
+            let to = robot.position - p;
+            let distance = to.length();
+            let is_nearer = seen.is_none_or(|(nearest, _)| distance < nearest);
+            if distance < range && is_nearer && self.sees(p, to) {
+                seen = Some((distance, *robot));
+            }
+        }
+        seen.map(|(_, robot)| robot)
+    }
+
+    /// Returns the robot that a person at a point reacts to: the nearest one in sight, or else the nearest.
+    pub(super) fn noticed_robot(&self, p: DVec2) -> Robot {
+        let nearest = nearest_robot(p, self.robots);
+        match self.robots {
+            [_, _, ..] => self.seen_robot(p, f64::INFINITY).unwrap_or(nearest),
+            _ => nearest,
+        }
+    }
+
     /// Returns the doors of the cell at a point.
     #[inline]
     pub(super) fn at<'a>(&self, doors: &'a CellBuckets<u32>, p: DVec2) -> &'a [u32] {

@@ -52,6 +52,8 @@ impl Laser {
     /// `stretches` is the smoke along the beam up to that distance. `stream` is the beam's own random stream, which
     /// is used only for phantom echoes.
     ///
+    /// A beam that meets nothing fails where smoke would hide a surface at `max_range`, and never without smoke.
+    ///
     /// ```
     /// use envgen::Seed;
     /// use envgen::scenario::FailedBeams;
@@ -75,7 +77,8 @@ impl Laser {
         stream: &mut Stream,
     ) -> Reading {
         let end = distance.unwrap_or(max_range);
-        if !self.fails(end, stretches) {
+        let is_clear = distance.is_none() && stretches.is_empty();
+        if is_clear || !self.fails(end, stretches) {
             return distance.map_or(Reading::NoEcho, Reading::Echo);
         }
         match failed {
@@ -187,6 +190,18 @@ mod tests {
         let particles = [Stretch { is_particle: true, ..regional(3.0, 4.0, 1e-3) }];
         assert_eq!(read(Laser::Sick, Some(7.0), &particles, FailedBeams::None), Reading::NoEcho);
         assert_eq!(read(Laser::Sick, Some(2.0), &particles, FailedBeams::None), Reading::Echo(2.0));
+    }
+
+    #[test]
+    fn a_beam_that_meets_nothing_fails_only_in_smoke() {
+        // A laser that reports as far as it sees.
+        let laser = Laser::Physical { power_range: 20.0 };
+        for failed in [FailedBeams::Zero, FailedBeams::Phantom, FailedBeams::None] {
+            assert_eq!(read(laser, None, &[], failed), Reading::NoEcho);
+            let weak = Laser::Physical { power_range: 5.0 };
+            assert_eq!(read(weak, None, &[], failed), Reading::NoEcho);
+        }
+        assert_eq!(read(laser, None, &[regional(0.0, 5.0, 1.0)], FailedBeams::Zero), Reading::Zero);
     }
 
     #[test]
