@@ -18,8 +18,8 @@ use mapping_trial::robot::{Footprint, Robot};
 
 /// A component that makes its entity a robot with these properties. The default is the Pioneer 3-AT.
 ///
-/// Inserting it adds a dynamic body, a collider with the footprint of the model, the [`Chassis`] of the
-/// model, its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Components
+/// Inserting it adds a dynamic body, a collider with the footprint of the model, its [`Chassis`], its
+/// [`Battery`], its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Components
 /// that the entity already has are kept, and so is a [`Chassis`] that is inserted later. Colliders of
 /// children belong to the robot too. Models of other robots can be read from RON; see [`Robot::from_ron`]. An
 /// invalid model gets no body and logs a warning. If it replaces another model, it removes the components
