@@ -58,11 +58,20 @@ impl<'a> TravelMap<'a> {
     /// Creates the map of a raster with its own speeds. Class 0 and classes of speed 0 cannot be passed.
     ///
     /// # Errors
-    /// When the raster's sizes do not fit together.
+    /// When the raster's sizes do not fit together, or when a speed is negative or not finite.
     pub fn new(raster: &'a ClassRaster, moves: Neighbourhood) -> Result<Self, RasterError> {
         super::metrics::check(raster)?;
+        // A search does not end where steps have negative costs.
+        let is_speed = |speed: f64| speed >= 0.0 && speed.is_finite();
+        if let Some(class) = raster.speeds.iter().position(|&speed| !is_speed(speed)) {
+            return Err(RasterError::Speed { class, speed: raster.speeds[class] });
+        }
         let slowness: Vec<f64> = (0..=u16::MAX)
-            .map(|class| if class == 0 { f64::INFINITY } else { 1.0 / raster.speed_of(class) })
+            .map(|class| match raster.speed_of(class) {
+                // Not divided by what may be -0.
+                speed if class == 0 || speed == 0.0 => f64::INFINITY,
+                speed => 1.0 / speed,
+            })
             .collect();
         let least = raster
             .cells
@@ -85,7 +94,8 @@ impl<'a> TravelMap<'a> {
             .is_some_and(|&class| self.slowness[usize::from(class)] < f64::INFINITY)
     }
 
-    /// Returns the cells that can be reached from a cell in one step, with the cost of the step.
+    /// Returns the cells that can be reached from a cell in one step, with the cost of the step; none from outside
+    /// the raster.
     pub fn steps(&self, from: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let cols = self.raster.cols as usize;
         let cells = self.raster.cells.len();
@@ -195,16 +205,18 @@ impl Zero for Cost {
     }
 }
 
-/// Returns the neighbours of a cell of a grid of `cells` cells, with the four at its sides first.
+/// Returns the neighbours of a cell of a grid of `cells` cells, with the four at its sides first; none of a cell
+/// outside the grid.
 fn neighbours(
     at: usize,
     cols: usize,
     cells: usize,
     neighbourhood: Neighbourhood,
 ) -> impl Iterator<Item = usize> {
-    let column = at % cols;
-    let (left, right) = (column > 0, column + 1 < cols);
-    let (up, down) = (at >= cols, at + cols < cells);
+    let inside = at < cells;
+    let column = at % cols.max(1);
+    let (left, right) = (inside && column > 0, inside && column + 1 < cols);
+    let (up, down) = (inside && at >= cols, at < cells.saturating_sub(cols));
     let corners = neighbourhood == Neighbourhood::Eight;
     [
         (left, -1),
@@ -265,6 +277,35 @@ mod tests {
     }
 
     #[test]
+    fn speeds_without_meaning_are_refused() {
+        for speed in [-1.0, -1e-300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let raster = raster(1, 2, vec![1, 1], vec![0.0, 1.0, speed]);
+            let error = TravelMap::new(&raster, Neighbourhood::Four).unwrap_err().to_string();
+            let expected = "the speed of class 2 must be a finite number of at least 0, got";
+            assert_eq!(error, format!("{expected} {speed}"));
+        }
+        // Ground of speed -0 is as that of speed 0.
+        let raster = raster(1, 3, vec![1, 2, 1], vec![0.0, 1.0, -0.0]);
+        let map = TravelMap::new(&raster, Neighbourhood::Four).unwrap();
+        assert_eq!(map.cost_raster(), [1.0, f64::INFINITY, 1.0]);
+        assert_eq!(map.path(0, 2), None);
+    }
+
+    #[test]
+    fn no_steps_lead_from_outside() {
+        for (rows, cols) in [(1, 2), (2, 1), (2, 2), (0, 0), (0, 3), (3, 0)] {
+            let count = (rows * cols) as usize;
+            let raster = raster(rows, cols, vec![1; count], vec![]);
+            let map = TravelMap::new(&raster, Neighbourhood::Eight).unwrap();
+            for cell in [count, count + 1, 9, usize::MAX] {
+                assert_eq!(map.steps(cell).count(), 0, "{rows} x {cols}, {cell}");
+                assert!(!map.is_passable(cell));
+                assert!(map.cost_field(cell).iter().all(|cost| *cost == f64::INFINITY));
+            }
+        }
+    }
+
+    #[test]
     fn slow_ground_is_gone_around() {
         let cells = vec![1, 1, 1, 1, 2, 1, 1, 1, 1];
         let raster = raster(3, 3, cells, vec![0.0, 1.0, 0.1]);
@@ -275,6 +316,33 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn every_search_ends(
+            rows in 1_u32..5, cols in 1_u32..5, seed: u64, eight: bool, cell in 0_usize..30,
+            speeds in prop::collection::vec(
+                prop_oneof![
+                    8 => 0.0..2.0_f64, 2 => Just(-0.0), 1 => -1.0..0.0_f64, 1 => Just(f64::NAN),
+                    1 => Just(f64::INFINITY),
+                ],
+                0..4,
+            ),
+        ) {
+            let mut stream = Seed(seed).stream("test", 0);
+            let cells = (0..rows * cols).map(|_| stream.below(4) as u16).collect();
+            let raster = raster(rows, cols, cells, speeds);
+            let are_speeds = raster.speeds.iter().all(|speed| *speed >= 0.0 && speed.is_finite());
+            let moves = if eight { Neighbourhood::Eight } else { Neighbourhood::Four };
+            let map = TravelMap::new(&raster, moves);
+            prop_assert_eq!(map.is_ok(), are_speeds);
+            let Ok(map) = map else { return Ok(()) };
+            let (field, slow) = (map.cost_field(0), map.cost_raster());
+            prop_assert!(field.iter().chain(&slow).all(|cost| *cost >= 0.0));
+            for (to, least) in field.into_iter().enumerate() {
+                prop_assert_eq!(map.path(0, to).is_some(), least < f64::INFINITY);
+            }
+            prop_assert!(map.steps(cell).all(|(to, cost)| to < raster.cells.len() && cost >= 0.0));
+        }
+
         #[test]
         fn paths_and_fields_agree_with_the_slow_method(
             rows in 1_u32..9, cols in 1_u32..9, seed: u64, eight: bool,

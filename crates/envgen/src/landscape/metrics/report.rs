@@ -9,7 +9,7 @@ use super::adjacency::{Adjacency, ClassSides};
 use super::patches::{Neighbourhood, Patch, patches};
 use crate::world::ClassRaster;
 
-/// The reasons why a raster cannot be measured.
+/// The reasons why a raster cannot be measured, or travelled.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RasterError {
@@ -26,6 +26,14 @@ pub enum RasterError {
     /// The side of the cells is not a positive number.
     #[error("the side of a cell is {0} m, it must be positive")]
     Cell(f64),
+    /// The speed of a class is negative or not finite.
+    #[error("the speed of class {class} must be a finite number of at least 0, got {speed}")]
+    Speed {
+        /// The class, whose number is its place in the list of speeds.
+        class: usize,
+        /// Its speed.
+        speed: f64,
+    },
 }
 
 /// Checks that a raster's sizes fit together.
