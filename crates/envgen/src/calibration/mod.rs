@@ -33,6 +33,7 @@ pub use scale::Scale;
 pub use crate::dials::{Dials, Estimate, Prediction};
 
 use crate::difficulty::DifficultyVector;
+use crate::error::SpecError;
 use crate::kind::WorldKind;
 use crate::world::World;
 
@@ -46,7 +47,8 @@ fn parse(text: &str) -> Calibration {
     serde_json::from_str(text).expect("the file is a calibration")
 }
 
-/// Models that predict difficulty, with the scale and the atlas on which they are based.
+/// Models that predict difficulty, with the scale and the atlas on which they are based. A calibration that is read
+/// from a file predicts finite numbers: its parts are checked.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
@@ -65,9 +67,9 @@ pub struct Calibration {
     pub settings: Option<DialModels>,
 }
 
-/// The measured worlds to which a calibration was fitted.
+/// The measured worlds to which a calibration was fitted. It is checked when it is read from a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "UncheckedAtlas")]
 pub struct Atlas {
     /// The command that ran the trials.
     pub command: String,
@@ -77,22 +79,59 @@ pub struct Atlas {
     pub trials: u32,
     /// SHA-256 of the results of the trials.
     pub digest: String,
-    /// The measured dials of the worlds, each dial sorted.
+    /// The measured dials of the worlds, each dial sorted: one of each world, or none at all.
     #[serde(default)]
     pub dials: Dials<Vec<f64>>,
 }
 
+/// An atlas as it is read from a file, before it is checked.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct UncheckedAtlas {
+    command: String,
+    worlds: u32,
+    trials: u32,
+    digest: String,
+    #[serde(default)]
+    dials: Dials<Vec<f64>>,
+}
+
+impl TryFrom<UncheckedAtlas> for Atlas {
+    type Error = SpecError;
+
+    fn try_from(read: UncheckedAtlas) -> Result<Self, SpecError> {
+        let UncheckedAtlas { command, worlds, trials, digest, dials } = read;
+        let is_measured = dials.as_ref().named().iter().any(|(_, all)| !all.is_empty());
+        for (dial, all) in dials.as_ref().named() {
+            let refused = |given: String, allowed: &str| {
+                Err(SpecError::new(dial, given, allowed).within("dials"))
+            };
+            if is_measured && all.len() as u64 != u64::from(worlds) {
+                let allowed = format!("a list of {worlds}, one for each world, as the other dials");
+                return refused(format!("a list of {}", all.len()), &allowed);
+            }
+            if let Some(wrong) = all.iter().find(|value| !value.is_finite()) {
+                return refused(wrong.to_string(), "finite numbers");
+            }
+            if let Some(pair) = all.windows(2).find(|pair| pair[0] > pair[1]) {
+                return refused(format!("{} before {}", pair[0], pair[1]), "sorted");
+            }
+        }
+        Ok(Atlas { command, worlds, trials, digest, dials })
+    }
+}
+
 impl Atlas {
     /// Returns, for each dial, the percentage of the atlas's worlds that measure less than the given value, where
-    /// worlds that measure the same count half; `None` if the atlas has no measured dials.
+    /// worlds that measure the same count half; `None` if the atlas lacks the measured values of some dial.
     pub fn percentiles(&self, dials: Dials<f64>) -> Option<Dials<f64>> {
-        let is_empty = self.dials.difficulty.is_empty();
+        let is_measured = self.dials.as_ref().named().iter().all(|(_, all)| !all.is_empty());
         let percentile = |(all, value): (&Vec<f64>, f64)| {
             let below = all.partition_point(|one| *one < value);
             let upto = all.partition_point(|one| *one <= value);
             50.0 * (below + upto) as f64 / all.len() as f64
         };
-        (!is_empty).then(|| self.dials.as_ref().zip(dials).map(percentile))
+        is_measured.then(|| self.dials.as_ref().zip(dials).map(percentile))
     }
 }
 
@@ -155,6 +194,7 @@ impl Calibration {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     #[test]
     fn every_calibration_is_of_its_kind() {
@@ -184,7 +224,55 @@ mod tests {
         };
         assert_eq!(at(0.0, 2.0, 9.0).map(|(_, value)| value), [0.0, 50.0, 100.0]);
         assert_eq!(at(1.0, 3.0, 5.0).map(|(_, value)| value), [12.5, 75.0, 87.5]);
+        for empty in [0, 1, 2] {
+            let mut some = atlas.clone();
+            let Dials { difficulty, mapping, navigation } = &mut some.dials;
+            [difficulty, mapping, navigation][empty].clear();
+            assert_eq!(some.percentiles(Dials::default()), None);
+        }
         atlas.dials = Dials::default();
         assert_eq!(atlas.percentiles(Dials::default()), None);
+    }
+
+    #[test]
+    fn atlases_that_are_not_of_their_worlds_are_refused() {
+        let read = |change: &dyn Fn(&mut serde_json::Value)| {
+            let sorted = json!([1.0, 2.0, 2.0]);
+            let mut atlas = json!({
+                "command": "atlas", "worlds": 3, "trials": 9, "digest": "0",
+                "dials": {"difficulty": sorted, "mapping": sorted, "navigation": sorted},
+            });
+            change(&mut atlas);
+            serde_json::from_value::<Atlas>(atlas).map_err(|error| error.to_string())
+        };
+        assert!(read(&|_| {}).is_ok());
+        let none = |atlas: &mut serde_json::Value| {
+            atlas.as_object_mut().unwrap().remove("dials");
+        };
+        assert_eq!(read(&none).map(|atlas| atlas.dials), Ok(Dials::default()));
+        let each = "a list of 3, one for each world, as the other dials";
+        for (dial, values, allowed, got) in [
+            ("mapping", json!([]), each, "a list of 0"),
+            ("difficulty", json!([]), each, "a list of 0"),
+            ("navigation", json!([1.0, 2.0]), each, "a list of 2"),
+            ("mapping", json!([1.0, 3.0, 2.0]), "sorted", "3 before 2"),
+        ] {
+            let error = read(&|atlas| atlas["dials"][dial] = values.clone()).unwrap_err();
+            assert_eq!(error, format!("`dials.{dial}` must be {allowed}, got {got}"));
+        }
+        let other = |atlas: &mut serde_json::Value| atlas["maps"] = json!(3);
+        assert!(read(&other).unwrap_err().contains("unknown field `maps`"));
+    }
+
+    #[test]
+    fn files_are_written_as_they_were_read() {
+        for (calibration, text) in [
+            (&*INDOOR, include_str!("indoor.json")),
+            (&*HALLWAY, include_str!("hallway.json")),
+            (&*FOREST, include_str!("forest.json")),
+        ] {
+            let written = serde_json::to_string_pretty(calibration).unwrap() + "\n";
+            assert!(written == text, "{}", calibration.kind);
+        }
     }
 }
