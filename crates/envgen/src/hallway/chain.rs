@@ -108,6 +108,10 @@ impl HallwayChain {
         if leave <= 0.0 {
             return t0 * n;
         }
+        if leave < RARE {
+            let stay = sum_of_powers(leave, n);
+            return t0 * stay + self.p_st * sum_of_sums(leave, n, stay);
+        }
         let tau = self.p_st / leave;
         let rho = 1.0 - leave;
         // (1 - rho^n) / (1 - rho), where 1 - rho is `leave`.
@@ -160,6 +164,32 @@ impl HallwayChain {
         }
         Ok(estimate)
     }
+}
+
+/// Below this sum of `p_st` and 1 - `p_tt`, the closed form of the expected turns loses digits: it is a difference of
+/// numbers that are nearly equal.
+const RARE: f64 = 0.5;
+
+/// Returns 1 + rho + rho^2 + .. + rho^(n - 1), where rho is 1 - `leave`, without rounding rho.
+fn sum_of_powers(leave: f64, n: f64) -> f64 {
+    -libm::expm1(n * libm::log1p(-leave)) / leave
+}
+
+/// Returns the sum of [`sum_of_powers`] over 0, 1, .., n - 1, where that of n is `powers`.
+fn sum_of_sums(leave: f64, n: f64, powers: f64) -> f64 {
+    if n * leave > 0.25 {
+        return (n - powers) / leave;
+    }
+    // The binomial series: n over 2, less n over 3 times `leave`, and so on, where each term is less than a twelfth of
+    // the one before.
+    let mut term = 0.5 * n * (n - 1.0);
+    let mut sum = term;
+    for k in 2..16 {
+        let k = f64::from(k);
+        term *= -leave * (n - k) / (k + 1.0);
+        sum += term;
+    }
+    sum
 }
 
 /// The error for a sequence of states that the chain cannot produce.
@@ -269,6 +299,28 @@ mod tests {
     }
 
     #[test]
+    fn rare_turns_are_expected_to_the_last_digits() {
+        let near = |p_st: f64, p_tt: f64, n, start: State, exact: f64| {
+            let expected = chain(p_st, p_tt).expected_turns(start, n);
+            let error = (expected - exact).abs();
+            assert!(error <= 1e-14 * exact, "{p_st} {p_tt} {n}: {expected}, not {exact}");
+        };
+        // The chances of a turn add up: n (n - 1) / 2 of them, up to terms of p_st squared.
+        near(1e-17, 1.0, 10, State::UP, 4.5e-16);
+        near(1e-300, 1.0, 10, State::UP, 4.5e-299);
+        // n (n - 1) / 2 p - n (n - 1) (n - 2) / 6 p^2 for a p of 1e-13.
+        near(1e-13, 1.0, 1000, State::UP, 499_500e-13 - 166_167_000e-26);
+        // Up to 1 - p_tt the same from a turn: n, less as much.
+        let (p_tt, left) = (1.0 - 1e-10, 1.0 - (1.0 - 1e-10));
+        near(0.0, p_tt, 1000, State::UP.turn(), 1000.0 - 499_500.0 * left);
+        near(0.0, p_tt, 1, State::UP.turn(), 1.0);
+        near(0.1, 0.9, 0, State::UP.turn(), 0.0);
+        near(0.1, 0.9, 1, State::UP, 0.0);
+        near(1e-6, 1.0, 1_000_000, State::UP, 367_879.257_231_645);
+        near(0.4, 0.0, 50, State::UP, 14.081_632_653_061_225);
+    }
+
+    #[test]
     fn no_unique_stationary_law_is_an_error() {
         let error = chain(0.0, 1.0).stationary().unwrap_err();
         assert_eq!((error.field.as_str(), error.value.as_str()), ("start", "stationary"));
@@ -323,7 +375,28 @@ mod tests {
         State::new(number).unwrap()
     }
 
+    /// Mostly small, some so small that it is lost beside 1.
+    fn rates() -> impl Strategy<Value = f64> {
+        prop_oneof![0.0..=1.0_f64, (-18.0..0.0_f64).prop_map(|digits| libm::pow(10.0, digits))]
+    }
+
     proptest! {
+        #[test]
+        fn expected_turns_are_the_sum_of_their_chances(
+            p_st in rates(), p_ts in rates(), starts_with_turn: bool, n in 0..3000_usize,
+        ) {
+            let p_tt = 1.0 - p_ts;
+            let start = if starts_with_turn { State::UP.turn() } else { State::UP };
+            let expected = chain(p_st, p_tt).expected_turns(start, n);
+            let first = f64::from(u8::from(starts_with_turn));
+            let next = |chance: &f64| Some(p_tt * chance + p_st * (1.0 - chance));
+            let sum: f64 = std::iter::successors(Some(first), next).take(n).sum();
+            // Where turns are not rare, numbers of the size of `p_st` may cancel.
+            let slack = 1e-11 * sum + 1e-14 * p_st;
+            prop_assert!((expected - sum).abs() <= slack, "{expected}, not {sum}");
+            prop_assert!(expected >= -slack && expected <= n as f64 * (1.0 + 1e-14));
+        }
+
         #[test]
         fn the_stationary_law_is_a_fixed_point(p_st in 0.0..=1.0_f64, p_tt in 0.0..=1.0_f64) {
             let chain = chain(p_st, p_tt);
