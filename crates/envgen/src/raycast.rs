@@ -1,10 +1,11 @@
 //! Ray casting: exact ranges to a [`World`]'s solid parts.
 
-use std::f64::consts::TAU;
+mod scan_pattern;
 
 use glam::DVec2;
 
-use crate::error::SpecError;
+pub use scan_pattern::ScanPattern;
+
 use crate::geometry::{Pose, Rect, Shape, edges, polygon_contains, unit_vector};
 use crate::grid::{CellBuckets, Convex, GridFrame, MAX_CELLS, finest_frame, index_area};
 use crate::world::{PartId, Solid, World};
@@ -15,9 +16,6 @@ const CELLS_A_SHAPE: f64 = 2.0;
 /// The most cells in which a shape is listed, on average over all shapes. Worlds with overlapping parts get a
 /// coarser index, so that its memory is bounded.
 const MAX_LISTINGS: usize = 24;
-
-/// The most rays of a scan pattern.
-const MAX_BEAMS: usize = 1_000_000;
 
 /// The first part that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,78 +34,6 @@ pub struct SurfaceHit {
     /// The surface's unit normal where the ray meets it, on the side from which the ray comes. If the ray starts
     /// inside the part, the normal is opposite to the ray's direction.
     pub normal: DVec2,
-}
-
-/// The directions of a laser scan, relative to the scanner.
-///
-/// ```
-/// use envgen::raycast::{Raycaster, ScanPattern};
-/// use envgen::{Blueprint, Seed, Spec, forest::ForestSpec};
-///
-/// // A scanner that sees all around, with a beam every 2 degrees.
-/// let pattern = ScanPattern::new(std::f64::consts::TAU, 181)?;
-/// let world = ForestSpec::default().generate(Seed(7))?.to_world();
-/// let start = world.start.expect("a forest with a free place");
-/// let mut ranges = Vec::new();
-/// Raycaster::new(&world).scan(start, &pattern, 20.0, &mut ranges);
-/// assert_eq!(ranges.len(), pattern.len());
-/// assert!(ranges.iter().all(|range| (0.0..=20.0).contains(range)));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug, PartialEq)]
-pub struct ScanPattern {
-    directions: Vec<DVec2>,
-}
-
-impl ScanPattern {
-    /// Creates a pattern of `beams` rays that are spread evenly over `field_of_view` radians, centred on the
-    /// scanner's heading, from right to left, with a ray at both ends. The field of view is from 0 to 2 pi; there
-    /// are at most a million beams.
-    ///
-    /// # Errors
-    /// Names the first of the two that is out of range.
-    pub fn new(field_of_view: f64, beams: usize) -> Result<Self, SpecError> {
-        if !(0.0..=TAU).contains(&field_of_view) {
-            let allowed = format!("a number from 0 to {TAU}");
-            return Err(SpecError::new("field_of_view", field_of_view, allowed));
-        }
-        if beams > MAX_BEAMS {
-            let allowed = format!("a whole number from 0 to {MAX_BEAMS}");
-            return Err(SpecError::new("beams", beams, allowed));
-        }
-        let step = field_of_view / beams.saturating_sub(1).max(1) as f64;
-        let first = if beams > 1 { -0.5 * field_of_view } else { 0.0 };
-        let directions = (0..beams).map(|i| unit_vector(first + step * i as f64)).collect();
-        Ok(ScanPattern { directions })
-    }
-
-    /// Returns the unit vectors of the rays, from right to left, relative to the scanner's heading.
-    ///
-    /// ```
-    /// use envgen::glam::DVec2;
-    /// use envgen::raycast::ScanPattern;
-    ///
-    /// // Three beams over half a turn: right, ahead, left.
-    /// let pattern = ScanPattern::new(std::f64::consts::PI, 3)?;
-    /// let expected = [DVec2::NEG_Y, DVec2::X, DVec2::Y];
-    /// for (direction, expected) in pattern.directions().iter().zip(expected) {
-    ///     assert!(direction.distance(expected) < 1e-12);
-    /// }
-    /// # Ok::<(), envgen::SpecError>(())
-    /// ```
-    pub fn directions(&self) -> &[DVec2] {
-        &self.directions
-    }
-
-    /// Returns the number of rays.
-    pub fn len(&self) -> usize {
-        self.directions.len()
-    }
-
-    /// Returns whether there are no rays.
-    pub fn is_empty(&self) -> bool {
-        self.directions.is_empty()
-    }
 }
 
 /// An index of a world's solid parts for casting rays.
@@ -253,7 +179,7 @@ impl Raycaster {
     }
 
     /// Returns the first part that a ray meets within `max_range` metres, or `None`; also `None` for a negative
-    /// range, a position that is not finite, or NaN. `heading` is in radians.
+    /// range, a position or heading that is not finite, or NaN. `heading` is in radians.
     pub fn cast(&self, from: DVec2, heading: f64, max_range: f64) -> Option<Hit> {
         self.cast_along(from, unit_vector(heading), max_range)
     }
@@ -282,10 +208,13 @@ impl Raycaster {
         direction: DVec2,
         max_range: f64,
     ) -> Option<SurfaceHit> {
+        if !direction.is_finite() {
+            return None;
+        }
         self.eye(from).cast_surface(direction, max_range)
     }
 
-    /// Prepares casting many rays from one point.
+    /// Prepares casting many rays from one point, whose directions must be finite.
     pub(crate) fn eye(&self, from: DVec2) -> Eye<'_> {
         let GridFrame { origin, cols, rows, .. } = self.frame;
         let is_inside = from.cmpgt(origin).all() && from.cmplt(self.frame.corner(cols, rows)).all();
@@ -333,7 +262,9 @@ impl Raycaster {
         // Where the ray enters the grid, and the cell there.
         let (enter, leave) = slab::<true>(from, inverse, origin, self.frame.corner(cols, rows));
         let enter = enter.max(0.0);
-        if !(from.is_finite() && enter <= leave && enter <= max_range) {
+        // The sum is finite if both are.
+        let is_finite = (from + direction).is_finite();
+        if !(is_finite && enter <= leave && enter <= max_range) {
             return None;
         }
         let (col, row) = self.cell_around(from + direction * enter);
@@ -415,14 +346,16 @@ impl Raycaster {
     }
 
     /// Writes the ranges of all rays of `fan` from a pose into `ranges`, in metres, with `max_range` where a ray
-    /// meets nothing. Ranges are purely geometric: dark parts are met at any distance.
+    /// meets nothing, and for all rays of a pose that is not finite. Ranges are purely geometric: dark parts are met
+    /// at any distance.
     pub fn scan(&self, pose: Pose, fan: &ScanPattern, max_range: f64, ranges: &mut Vec<f64>) {
         ranges.clear();
         let hits = self.hits(pose, fan, max_range);
         ranges.extend(hits.map(|hit| hit.map_or(max_range, |hit| hit.distance)));
     }
 
-    /// Returns the first part that each ray of `fan` from a pose meets within `max_range` metres.
+    /// Returns the first part that each ray of `fan` from a pose meets within `max_range` metres; `None` for all rays
+    /// of a pose that is not finite.
     ///
     /// ```
     /// use envgen::raycast::{Raycaster, ScanPattern};
@@ -444,8 +377,10 @@ impl Raycaster {
         fan: &ScanPattern,
         max_range: f64,
     ) -> impl Iterator<Item = Option<Hit>> {
-        let (heading, eye) = (unit_vector(pose.heading), self.eye(pose.position));
-        fan.directions
+        // Where nothing is met, so that no ray has to be checked by itself.
+        let from = if pose.heading.is_finite() { pose.position } else { DVec2::NAN };
+        let (heading, eye) = (unit_vector(pose.heading), self.eye(from));
+        fan.directions()
             .iter()
             .map(move |&direction| eye.cast_along(heading.rotate(direction), max_range))
     }

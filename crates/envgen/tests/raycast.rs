@@ -206,6 +206,43 @@ fn nonsense_rays_meet_nothing_and_end() {
 }
 
 #[test]
+fn rays_without_direction_meet_nothing() {
+    let ring = |radius| Shape::Polygon {
+        vertices: (0..5).map(|i| unit_vector(1.2 * f64::from(i)) * radius).collect(),
+    };
+    // Inside a disc, in the middle of walls, in a filled polygon, beside and outside of everything.
+    let worlds = [
+        vec![Shape::Disc { center: DVec2::ZERO, radius: 1.0 }],
+        edges(&ring(3.0).corners()).map(|(a, b)| Shape::Segment { a, b }).collect(),
+        vec![ring(2.0)],
+        vec![Shape::from_rect(Rect::new(DVec2::splat(-1.0), DVec2::splat(2.0)))],
+        Vec::new(),
+    ];
+    let numbers = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+    let fan = ScanPattern::new(3.0, 7).unwrap();
+    for (rays, at) in worlds.iter().flat_map(|shapes| {
+        let rays = Raycaster::new(&world_of(shapes.clone()));
+        [(0.0, 0.0), (0.1, 0.2), (2.0, 0.0), (5.0, -3.0), (99.0, 1.0)].map(|at| (rays.clone(), at))
+    }) {
+        let from = DVec2::from(at);
+        for number in numbers {
+            assert_eq!(rays.cast(from, number, 10.0), None, "{from}");
+            for direction in
+                [DVec2::new(number, 0.0), DVec2::new(1.0, number), DVec2::splat(number)]
+            {
+                assert_eq!(rays.cast_along(from, direction, 10.0), None, "{from} {direction}");
+                assert_eq!(rays.cast_surface(from, direction, 10.0), None, "{from} {direction}");
+            }
+            let pose = Pose { position: from, heading: number };
+            assert!(rays.hits(pose, &fan, 10.0).all(|hit| hit.is_none()), "{from}");
+            let mut ranges = Vec::new();
+            rays.scan(pose, &fan, 10.0, &mut ranges);
+            assert_eq!(ranges, [10.0; 7], "{from}");
+        }
+    }
+}
+
+#[test]
 fn directions_with_negative_zeros_are_those_with_zeros() {
     let disc = |x, y| Shape::Disc { center: DVec2::new(x, y), radius: 1.0 };
     let rays = Raycaster::new(&world_of(vec![
