@@ -40,6 +40,9 @@ pub enum Doubt {
     BendPoints,
     /// The prediction was made by another version of the calibration.
     OtherCalibration,
+    /// This field of the claim says nothing that can be checked: a distance that is negative or not finite, an area
+    /// that is empty or not finite, or a dial that is not finite.
+    Indefinite(&'static str),
 }
 
 impl fmt::Display for Doubt {
@@ -55,6 +58,15 @@ impl fmt::Display for Doubt {
                 write!(f, "the budget of {MAX_SQUARES} squares of free space is spent")
             }
             Doubt::OtherCalibration => f.write_str("another calibration predicted it"),
+            Doubt::Indefinite(field @ ("area" | "torus")) => {
+                write!(f, "`{field}` must be finite and not empty")
+            }
+            Doubt::Indefinite(field @ ("difficulty" | "mapping" | "navigation")) => {
+                write!(f, "`{field}` must be finite, with a standard error of at least 0")
+            }
+            Doubt::Indefinite(field) => {
+                write!(f, "`{field}` must be a finite number of at least 0")
+            }
             Doubt::BendPoints => write!(f, "the roads need more than {MAX_BEND_POINTS} points"),
         }
     }

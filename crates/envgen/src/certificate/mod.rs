@@ -93,7 +93,8 @@ pub fn verify(world: &World) -> Vec<(Claim, Verdict)> {
     verify_claims(world, &world.certificate)
 }
 
-/// Checks claims about a world, in order, whether or not its certificate contains them.
+/// Checks claims about a world, in order, whether or not its certificate contains them. A claim with a negative
+/// distance, a number that is not finite or an empty area is undecided ([`Doubt::Indefinite`]).
 pub fn verify_claims(world: &World, claims: &[Claim]) -> Vec<(Claim, Verdict)> {
     claims.iter().map(|claim| (*claim, verdict(world, claim))).collect()
 }
@@ -107,6 +108,10 @@ fn verdict(world: &World, claim: &Claim) -> Verdict {
 }
 
 fn holds(world: &World, claim: &Claim) -> Result<bool, Doubt> {
+    // Comparisons with such numbers would give any verdict.
+    if let Some(field) = claim.indefinite() {
+        return Err(Doubt::Indefinite(field));
+    }
     let budget = &mut Budget::new(MAX_COMPARISONS);
     match *claim {
         Claim::Connected { radius } => start_reaches_goal(world, radius, budget),
@@ -253,6 +258,7 @@ fn bends_keep(strip: &RoadStrip, radius: f64, points: &mut u64) -> Result<bool, 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dials::{Dials, Estimate};
     use crate::forest::{Border, ForestSpec};
     use crate::generate::{Blueprint, Spec};
     use crate::geometry::{Pose, Shape};
@@ -484,6 +490,62 @@ mod tests {
         let world = spec.generate(Seed(2)).unwrap().to_world();
         for (claim, verdict) in verify(&world) {
             assert_eq!(verdict, Verdict::Holds, "{claim}");
+        }
+    }
+
+    #[test]
+    fn claims_that_are_not_definite_never_hold() {
+        let worlds = [
+            gap_world(1.0),
+            ForestSpec::default().generate(Seed(1)).unwrap().to_world(),
+            RoadSpec { segment_count: 4, ..Default::default() }
+                .generate(Seed(1))
+                .unwrap()
+                .to_world(),
+            IndoorSpec { width: 6, height: 6, ..Default::default() }
+                .generate(Seed(1))
+                .unwrap()
+                .to_world(),
+        ];
+        let area = Rect::new(DVec2::ZERO, DVec2::ONE);
+        let crosses = |area, radius| Claim::CrossesWestEast {
+            area,
+            radius,
+            crosses: false,
+            predicted: false,
+        };
+        let predicted = |value| {
+            let dial = Estimate { value, standard_error: 1.0 };
+            let dials = Dials { difficulty: dial, mapping: dial, navigation: dial };
+            let calibration = Calibration::indoor().version;
+            let prediction = Prediction { calibration, dials, outside: 0.0 };
+            Claim::PredictedDifficulty { prediction }
+        };
+        let mut claims = Vec::new();
+        for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -1e-300] {
+            claims.extend([
+                (Claim::Connected { radius: number }, "radius"),
+                (Claim::TreeDistance { distance: number, torus: None }, "distance"),
+                (
+                    Claim::TreeDistance { distance: 1.0, torus: Some(DVec2::new(9.0, number)) },
+                    "torus",
+                ),
+                (crosses(area, number), "radius"),
+                (crosses(Rect::new(DVec2::ZERO, DVec2::new(1.0, number)), 0.1), "area"),
+                (Claim::BendRadius { radius: number }, "radius"),
+                (Claim::EveryPlaceReachable { radius: number }, "radius"),
+                (Claim::Headroom { height: number }, "height"),
+            ]);
+            if !number.is_finite() {
+                claims.push((predicted(number), "difficulty"));
+            }
+        }
+        for world in &worlds {
+            for &(claim, field) in &claims {
+                let expected = Verdict::Undecided(Doubt::Indefinite(field));
+                assert_eq!(verify_claims(world, &[claim])[0].1, expected, "{claim:?}");
+                assert!(expected.doubt().unwrap().to_string().starts_with(&format!("`{field}`")));
+            }
         }
     }
 

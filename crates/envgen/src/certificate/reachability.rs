@@ -13,7 +13,7 @@ use super::piece_index::Pieces;
 use super::squares::{Square, Squares};
 use crate::geometry::{Rect, Shape};
 use crate::grid::{GridFrame, index_area};
-use crate::world::World;
+use crate::world::{World, is_distance};
 
 /// The clearance in metres that a disc must have to spare on every side, so that a place on a floor counts.
 /// Narrower places, such as the gap between two chairs, are not part of a room.
@@ -90,8 +90,11 @@ pub struct Unreached {
 /// ```
 ///
 /// # Errors
-/// When it cannot be decided which places are out of reach.
+/// When the radius is negative or not finite, or when it cannot be decided which places are out of reach.
 pub fn unreached(world: &World, radius: f64) -> Result<Option<Unreached>, Doubt> {
+    if !is_distance(radius) {
+        return Err(Doubt::Indefinite("radius"));
+    }
     let budget = &mut Budget::new(MAX_COMPARISONS);
     let Some(ground) = StartGround::new(world, radius, budget)? else { return Ok(None) };
     let (space, barriers) = (ground.space(), ground.barriers());
@@ -440,6 +443,9 @@ mod tests {
         // All that is right of the wall by the radius, less the margin: the disc's middle may be at the sides.
         assert!(area <= 4.5 * 4.0 && area > 4.3 * 3.8, "{area}");
         assert!(found.squares.iter().all(|square| square.min.x >= 5.5));
+        for radius in [-0.3, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(unreached(&world, radius), Err(Doubt::Indefinite("radius")));
+        }
         // Where the disc does not fit at the start, nothing is known.
         world.start = Some(Pose::new(4.8, 2.0, 0.0));
         assert_eq!(unreached(&world, 0.3), Ok(None));

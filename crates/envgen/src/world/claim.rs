@@ -69,28 +69,41 @@ pub enum Claim {
 impl Claim {
     /// Whether its distances are finite and not negative, and its area finite and not empty.
     pub(crate) fn is_definite(&self) -> bool {
-        let distance = |d: f64| d.is_finite() && d >= 0.0;
+        self.indefinite().is_none()
+    }
+
+    /// Returns the name of the first field that keeps the claim from being definite; `None` if it is.
+    pub(crate) fn indefinite(&self) -> Option<&'static str> {
+        let unless = |is_definite: bool, name| (!is_definite).then_some(name);
         match *self {
-            Claim::Connected { radius } => distance(radius),
-            Claim::TreeDistance { distance: least, torus } => {
-                distance(least)
-                    && torus.is_none_or(|size| size.is_finite() && size.cmpgt(DVec2::ZERO).all())
+            Claim::Connected { radius }
+            | Claim::BendRadius { radius }
+            | Claim::EveryPlaceReachable { radius } => unless(is_distance(radius), "radius"),
+            Claim::TreeDistance { distance, torus } => {
+                let is_size = |size: DVec2| size.is_finite() && size.cmpgt(DVec2::ZERO).all();
+                unless(is_distance(distance), "distance")
+                    .or_else(|| unless(torus.is_none_or(is_size), "torus"))
             }
             Claim::CrossesWestEast { area, radius, .. } => {
                 let finite = area.min.is_finite() && area.max.is_finite();
-                distance(radius) && finite && area.min.cmplt(area.max).all()
+                unless(is_distance(radius), "radius")
+                    .or_else(|| unless(finite && area.min.cmplt(area.max).all(), "area"))
             }
-            Claim::BendRadius { radius } => distance(radius),
-            Claim::EveryPlaceReachable { radius } => distance(radius),
-            Claim::Headroom { height } => distance(height),
+            Claim::Headroom { height } => unless(is_distance(height), "height"),
             Claim::PredictedDifficulty { prediction } => prediction
                 .dials
                 .named()
-                .iter()
-                .all(|(_, dial)| dial.value.is_finite() && distance(dial.standard_error)),
-            Claim::AddedDoorway { .. } => true,
+                .into_iter()
+                .find(|(_, dial)| !(dial.value.is_finite() && is_distance(dial.standard_error)))
+                .map(|(name, _)| name),
+            Claim::AddedDoorway { .. } => None,
         }
     }
+}
+
+/// Whether a number is a distance: finite, and at least 0.
+pub(crate) fn is_distance(number: f64) -> bool {
+    number.is_finite() && number >= 0.0
 }
 
 impl fmt::Display for Claim {

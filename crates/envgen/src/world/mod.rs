@@ -15,6 +15,7 @@ mod solids;
 
 pub use check::{MAX_COORDINATE, MAX_LANES, Violation};
 pub use claim::Claim;
+pub(crate) use claim::is_distance;
 pub use digest::Digest;
 pub use extent::{Extent, MAX_HEIGHT, MIN_HEIGHT};
 pub use heights::Crown;
