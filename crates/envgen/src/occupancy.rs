@@ -43,6 +43,9 @@ pub enum OccupancyError {
     /// The resolution is not a positive number.
     #[error("`resolution` must be a positive number, got {0} m")]
     Resolution(f64),
+    /// The area is not finite, or its corners are not in order.
+    #[error("the area must be finite, from its lower left to its upper right corner, got {0:?}")]
+    Area(Rect),
     /// The grid would take too much memory.
     #[error(
         "`resolution` must be about {:.2e} m or more, got {resolution} m: {cols} x {rows} cells \
@@ -98,6 +101,10 @@ pub(crate) fn size_in_cells(
     if !(resolution > 0.0 && resolution.is_finite()) {
         return Err(OccupancyError::Resolution(resolution));
     }
+    let is_ordered = area.min.cmple(area.max).all(); // not for NaN
+    if !(is_ordered && area.min.is_finite() && area.max.is_finite()) {
+        return Err(OccupancyError::Area(area));
+    }
     // A side that is a whole number of cells, up to rounding, takes no further cell.
     let size = (area.size() / resolution - 1e-9).ceil().max(DVec2::ONE);
     let fits = size.x * size.y <= most as f64;
@@ -112,7 +119,8 @@ impl OccupancyGrid {
     /// crosses.
     ///
     /// # Errors
-    /// When the resolution is not positive, or gives more than [`MAX_CELLS`] cells; then nothing is allocated.
+    /// When the resolution is not positive, or gives more than [`MAX_CELLS`] cells, or when the area is not finite or
+    /// its corners are not in order; then nothing is allocated.
     pub fn of(world: &World, resolution: f64, coverage: Coverage) -> Result<Self, OccupancyError> {
         let mut grid = OccupancyGrid::empty(world.bounds, resolution)?;
         for solid in world.solids() {
@@ -339,6 +347,48 @@ mod tests {
         assert!(matches!(OccupancyGrid::empty(area, 1e-3), Err(OccupancyError::Size { .. })));
         for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(matches!(OccupancyGrid::empty(area, bad), Err(OccupancyError::Resolution(_))));
+        }
+    }
+
+    #[test]
+    fn areas_without_meaning_are_refused() {
+        let good = Rect::new(DVec2::ZERO, DVec2::ONE);
+        let reversed = Rect::new(DVec2::ONE, DVec2::ZERO);
+        let half_reversed = Rect::new(DVec2::ZERO, DVec2::new(1.0, -1.0));
+        let mut areas = vec![reversed, half_reversed, Rect::new(DVec2::NAN, DVec2::NAN)];
+        for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for corner in [DVec2::new(number, 0.0), DVec2::new(0.5, number)] {
+                areas.extend([Rect { min: corner, ..good }, Rect { max: corner, ..good }]);
+            }
+        }
+        for area in areas {
+            let error = OccupancyGrid::empty(area, 0.5).unwrap_err();
+            assert!(matches!(error, OccupancyError::Area(_)), "{area:?}: {error}");
+            let start =
+                "the area must be finite, from its lower left to its upper right corner, got";
+            assert!(error.to_string().starts_with(start), "{error}");
+        }
+        // A line and a point have a cell at least.
+        for max in [DVec2::ZERO, DVec2::X] {
+            let grid = OccupancyGrid::empty(Rect { max, ..good }, 0.5).unwrap();
+            assert_eq!((grid.cols(), grid.rows()), (1 + max.x as usize, 1));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_grid_covers_its_area(
+            corners in prop::array::uniform4(-9.0..9.0_f64), resolution in 0.1..2.0_f64,
+        ) {
+            let [x, y, to_x, to_y] = corners;
+            let area = Rect::new(DVec2::new(x, y), DVec2::new(to_x, to_y));
+            match OccupancyGrid::empty(area, resolution) {
+                Ok(grid) => prop_assert!(grid.frame().bounds().grown(1e-6).contains_rect(area)),
+                Err(error) => {
+                    prop_assert_eq!(error, OccupancyError::Area(area));
+                    prop_assert!(x > to_x || y > to_y);
+                }
+            }
         }
     }
 
