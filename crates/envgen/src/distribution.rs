@@ -66,7 +66,8 @@ pub fn standard_normal(stream: &mut Stream) -> f64 {
 }
 
 /// Draws a gamma variate of the given shape and of scale 1, and returns its natural logarithm. The shape must be
-/// positive and finite. The logarithm stays finite where the variate of a small shape would be 0.
+/// positive and finite. The logarithm stays finite where the variate of a small shape would be 0, for shapes of
+/// 1e-306 or more. That of a smaller shape may be too far below 0 for an `f64`: it is then negative infinity.
 ///
 /// The method is that of G. Marsaglia and W. W. Tsang, A simple method for generating gamma variables, ACM
 /// Transactions on Mathematical Software 26, 2000, <https://doi.org/10.1145/358407.358414>; for shapes below 1 with
@@ -79,7 +80,7 @@ pub fn standard_normal(stream: &mut Stream) -> f64 {
 /// let mut stream = Seed(7).stream("example", 0);
 /// let sum: f64 = (0..10_000).map(|_| libm::exp(ln_gamma_variate(&mut stream, 4.0))).sum();
 /// assert!((sum / 1e4 - 4.0).abs() < 0.1);
-/// // Tiny shapes give variates that no `f64` holds; their logarithms stay finite.
+/// // Tiny shapes give variates that are too small for an `f64`; their logarithms stay finite.
 /// assert!(ln_gamma_variate(&mut stream, 1e-6).is_finite());
 /// ```
 ///
@@ -263,6 +264,18 @@ mod tests {
         let draws = (0..10_000).map(|_| -1e-6 * ln_gamma_variate(&mut stream, 1e-6));
         let mean = draws.inspect(|x| assert!(x.is_finite())).sum::<f64>() / 1e4;
         assert!((mean - 1.0).abs() < 0.05, "{mean}");
+    }
+
+    #[test]
+    fn gamma_of_the_least_shapes_has_no_finite_logarithm() {
+        let mut stream = Seed(4).stream("tiny", 0);
+        let mut draws =
+            |shape| (0..1000).map(|_| ln_gamma_variate(&mut stream, shape)).collect::<Vec<_>>();
+        assert!(draws(1e-306).iter().all(|draw| draw.is_finite() && *draw < 0.0));
+        assert!(draws(1e-310).contains(&f64::NEG_INFINITY));
+        assert!(draws(f64::MIN_POSITIVE).iter().all(|draw| !draw.is_nan()));
+        // The farthest from 0 that a draw of the first shape can be, by the least number that `1 - unit()` is.
+        assert!((libm::log(0.5 * f64::EPSILON) / 1e-306).is_finite());
     }
 
     #[test]
