@@ -48,7 +48,8 @@ pub fn regular_polygon(radius: f64, sides: usize) -> Vec<DVec2> {
     (0..sides).map(corner).collect()
 }
 
-/// Whether a point lies inside a polygon, by the even-odd rule.
+/// Whether a point lies inside a polygon, by the even-odd rule. A point on a side that two polygons share lies in one
+/// of them. Not to be changed lightly: frozen digests of maps and trials depend on it.
 pub(crate) fn polygon_contains(vertices: &[DVec2], p: DVec2) -> bool {
     edges(vertices).fold(false, |inside, (a, b)| {
         let crosses =

@@ -126,8 +126,24 @@ impl Shape {
         }
     }
 
-    /// Returns whether a point lies inside the shape or on its border (up to rounding). A segment has no interior
-    /// and contains no point.
+    /// Returns whether a point lies inside the shape. A segment has no interior and contains no point.
+    ///
+    /// The border of a disc or box is part of it, up to rounding. Of the border of a polygon, the sides that have the
+    /// interior to their right, and level ones that have it above them, are part of it, and the others are not: where
+    /// polygons share a side, a point on it lies in just one of them. Where all of the border must count, ask whether
+    /// the [`distance`](Shape::distance) is 0, up to rounding.
+    ///
+    /// ```
+    /// use envgen::geometry::{Rect, Shape};
+    /// use envgen::glam::DVec2;
+    ///
+    /// let square = Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::ONE));
+    /// let polygon = Shape::Polygon { vertices: square.corners() };
+    /// let (left, right) = (DVec2::new(0.0, 0.5), DVec2::new(1.0, 0.5));
+    /// assert!(square.contains(left) && square.contains(right));
+    /// assert!(polygon.contains(left) && !polygon.contains(right));
+    /// assert_eq!((polygon.distance(left), polygon.distance(right)), (0.0, 0.0));
+    /// ```
     pub fn contains(&self, p: DVec2) -> bool {
         match self {
             Shape::Segment { .. } => false,
@@ -389,6 +405,26 @@ mod tests {
             prop_assert!((shape.distance(p) - polygon.distance(p)).abs() < 1e-9);
             prop_assert_eq!(shape.contains(p), shape.distance(p) == 0.0);
             prop_assert!(!shape.contains(p) || shape.bounds().grown(1e-9).contains(p));
+        }
+    }
+
+    #[test]
+    fn a_point_between_polygons_lies_in_one_of_them() {
+        let corner = |x: u32, y: u32| DVec2::new(f64::from(x), f64::from(y));
+        // Squares of one metre, each cut into two triangles.
+        let mut tiles = Vec::new();
+        for (x, y) in (0..4).flat_map(|x| (0..4).map(move |y| (x, y))) {
+            let [a, b, c, d] =
+                [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
+            tiles
+                .extend([vec![a, b, c], vec![a, c, d]].map(|vertices| Shape::Polygon { vertices }));
+        }
+        for (i, j) in (1..16).flat_map(|i| (1..16).map(move |j| (i, j))) {
+            let p = 0.25 * corner(i, j);
+            let around: Vec<_> = tiles.iter().filter(|tile| tile.distance(p) == 0.0).collect();
+            assert_eq!(around.iter().filter(|tile| tile.contains(p)).count(), 1, "{p}");
+            let is_on_side = i % 4 == 0 || j % 4 == 0 || i % 4 == j % 4;
+            assert_eq!(around.len() > 1, is_on_side, "{p}");
         }
     }
 
