@@ -10,6 +10,7 @@ use envgen::geometry::{Pose, unit_vector, wrap_angle};
 use envgen::raycast::{Raycaster, ScanPattern};
 use envgen::scenario::{self, DoorCommand, ScenarioState};
 use envgen::surface_index::SurfaceIndex;
+use envgen::world::{Digest, Extent};
 use envgen::{Seed, SpecError, World};
 use glam::DVec2;
 
@@ -36,12 +37,40 @@ pub struct FlatWorld {
     rays: Raycaster,
     near: ClearanceIndex,
     grounds: SurfaceIndex,
+    /// Digest of the world.
+    digest: Digest,
+    /// The greatest circumscribed radius of its robots in metres.
+    radius: f64,
+    /// The extent of its robots.
+    extent: Extent,
+    /// Height of their lasers in metres.
+    laser_height: f64,
 }
 
 impl FlatWorld {
     /// Indexes a world for robots that are as high as `robot` and not larger, with their lasers as high
     /// as its laser. What is below or above the laser is not seen, and what is above the body stops no
     /// robot.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
+    /// use mapping_trial::flat::FlatWorld;
+    /// use mapping_trial::trial::{Trial, TrialError, TrialSettings};
+    ///
+    /// let world = HallwaySpec::default().generate(Seed(7))?.to_world();
+    /// let settings = TrialSettings::default();
+    /// let flat = Arc::new(FlatWorld::new(&world, &settings.body)?);
+    /// for seed in [Seed(1), Seed(2)] {
+    ///     let settings = TrialSettings { seed, ..settings.clone() };
+    ///     Trial::builder(&world, settings).build_flat_in(flat.clone())?;
+    /// }
+    /// let other = HallwaySpec::default().generate(Seed(8))?.to_world();
+    /// let error = Trial::builder(&other, settings).build_flat_in(flat).err();
+    /// assert!(matches!(error, Some(TrialError::OtherFlatWorld { .. })));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     ///
@@ -52,7 +81,50 @@ impl FlatWorld {
             rays: Raycaster::at_height(world, robot.laser_mount.height),
             near: ClearanceIndex::within(world, robot.circumscribed_radius + 0.1, robot.extent()?)?,
             grounds: SurfaceIndex::new(world),
+            digest: world.digest(),
+            radius: robot.circumscribed_radius,
+            extent: robot.extent()?,
+            laser_height: robot.laser_mount.height,
         })
+    }
+
+    /// Returns the digest of the world that was indexed.
+    pub fn digest(&self) -> Digest {
+        self.digest
+    }
+
+    /// Checks that the world is indexed for a robot: that it is not larger than the one of
+    /// [`FlatWorld::new`], is as high, and has its laser as high. Otherwise it would drive into walls,
+    /// or see what its laser does not meet.
+    ///
+    /// # Errors
+    ///
+    /// Names the first field that differs, or that [`Robot::validate`] rejects.
+    pub fn check_robot(&self, robot: &Robot) -> Result<(), SpecError> {
+        robot.validate()?;
+        let indexed = |field: &str, value: f64, allowed: String| {
+            let allowed = format!("{allowed}: the world was indexed for such robots");
+            SpecError::new(field, value, allowed).within("body")
+        };
+        let radius = robot.circumscribed_radius;
+        if radius > self.radius {
+            return Err(indexed(
+                "circumscribed_radius",
+                radius,
+                format!("at most {}", self.radius),
+            ));
+        }
+        let height = robot.laser_mount.height;
+        if height != self.laser_height {
+            return Err(indexed("laser_mount.height", height, self.laser_height.to_string()));
+        }
+        if robot.extent()? != self.extent {
+            // Both lasers are as high, thus the bodies are not.
+            let top = self.extent.top();
+            let at_most = if top > height { "" } else { "at most " };
+            return Err(indexed("height", robot.height, format!("{at_most}{top}")));
+        }
+        Ok(())
     }
 }
 
@@ -123,7 +195,7 @@ impl FlatSimulator {
     ///
     /// # Panics
     ///
-    /// If the robot or one of the profiles is not valid.
+    /// If one of the profiles is not valid, or if [`FlatWorld::check_robot`] rejects the robot.
     #[track_caller]
     pub fn new(
         world: Arc<FlatWorld>,
@@ -143,7 +215,7 @@ impl FlatSimulator {
     ///
     /// # Panics
     ///
-    /// If the robot or the laser's profile is not valid.
+    /// If the laser's profile is not valid, or if [`FlatWorld::check_robot`] rejects the robot.
     #[track_caller]
     pub fn with_sensors(
         world: Arc<FlatWorld>,
@@ -152,7 +224,7 @@ impl FlatSimulator {
         laser: &LaserProfile,
         sensors: Vec<Sensors>,
     ) -> Self {
-        let fan = match robot.validate().and_then(|()| laser.fan()) {
+        let fan = match world.check_robot(robot).and_then(|()| laser.fan()) {
             Ok(fan) => fan,
             Err(error) => panic!("{error}"),
         };

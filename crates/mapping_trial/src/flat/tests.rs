@@ -27,6 +27,56 @@ fn a_world_is_indexed_for_robots_that_there_can_be() {
     }
 }
 
+#[test]
+#[should_panic(
+    expected = "`body.circumscribed_radius` must be at most 0.355, got 1: the world was indexed"
+)]
+fn a_robot_that_is_too_large_for_the_index_does_not_start() {
+    let flat = Arc::new(FlatWorld::new(&room(5.0, 5.0), &Robot::default()).expect("a robot"));
+    let large = Robot { circumscribed_radius: 1.0, ..Robot::default() };
+    let (laser, odometry) = (LaserProfile::USARSIM, OdometryProfile::EXACT);
+    FlatSimulator::new(flat, &large, &[Pose::new(2.5, 2.5, 0.0)], &laser, &odometry, Seed(1));
+}
+
+proptest! {
+    #[test]
+    fn a_world_serves_robots_that_are_not_larger_and_as_high(
+        one in (0.1..2.0_f64, 0.1..1.0_f64, 0.1..1.0_f64),
+        other in (0.1..2.0_f64, 0.1..1.0_f64, 0.1..1.0_f64),
+        as_high: bool, same_laser: bool,
+    ) {
+        let robot = |(circumscribed_radius, height, laser): (f64, f64, f64)| {
+            let mut robot = Robot { circumscribed_radius, height, ..Robot::default() };
+            (robot.length, robot.width, robot.laser_offset) = (0.05, 0.05, 0.0);
+            robot.laser_mount.height = laser;
+            robot
+        };
+        let known = robot(one);
+        let height = if as_high { one.1 } else { other.1 };
+        let laser = if same_laser { one.2 } else { other.2 };
+        let new = robot((other.0, height, laser));
+        let flat = FlatWorld::new(&room(5.0, 5.0), &known).expect("a robot");
+        prop_assert_eq!(flat.check_robot(&known), Ok(()));
+        let serves = other.0 <= one.0 && laser == one.2 && height.max(laser) == one.1.max(one.2);
+        let found = flat.check_robot(&new);
+        prop_assert_eq!(found.is_ok(), serves, "{:?}", found);
+        if let Err(error) = found {
+            // What it asks for is allowed.
+            let mut asked = new;
+            let SpecError { field, allowed, .. } = &error;
+            prop_assert!(allowed.ends_with(": the world was indexed for such robots"), "{}", error);
+            match field.as_str() {
+                "body.circumscribed_radius" => asked.circumscribed_radius = one.0,
+                "body.laser_mount.height" => asked.laser_mount.height = one.2,
+                "body.height" => asked.height = one.1.max(one.2),
+                _ => prop_assert!(false, "{}", error),
+            }
+            let next = flat.check_robot(&asked).err();
+            prop_assert!(next.is_none_or(|next| next.field != *field));
+        }
+    }
+}
+
 fn simulator(world: &World, starts: &[Pose]) -> FlatSimulator {
     let robot = Robot::default();
     let flat = Arc::new(FlatWorld::new(world, &robot).expect("a robot"));

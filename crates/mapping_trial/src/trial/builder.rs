@@ -5,6 +5,7 @@ use std::sync::Arc;
 use envgen::World;
 use envgen::geometry::Pose;
 use envgen::scenario::{Scenario, ScenarioState};
+use envgen::world::Digest;
 use glam::DVec2;
 
 use super::clock::Clock;
@@ -226,16 +227,24 @@ impl<'w> TrialBuilder<'w> {
     pub fn build_flat(self) -> Result<Trial<FlatSimulator>, TrialError> {
         self.settings.validate()?;
         let flat = Arc::new(FlatWorld::new(self.world, &self.settings.body)?);
-        self.build_flat_in(flat)
+        self.place_flat(flat)
     }
 
     /// Builds a trial in a world that is already indexed, for many trials in one world.
     ///
     /// # Errors
     ///
-    /// As [`TrialBuilder::build_flat`].
+    /// As [`TrialBuilder::build_flat`], and if the world was not indexed from this world for a robot such
+    /// as this one (see [`FlatWorld::check_robot`]).
     pub fn build_flat_in(self, flat: Arc<FlatWorld>) -> Result<Trial<FlatSimulator>, TrialError> {
-        self.build(|setup, sensors| {
+        self.settings.validate()?;
+        flat.check_robot(&self.settings.body)?;
+        self.place_flat(flat)
+    }
+
+    /// Builds a trial in a world that is indexed for its robot.
+    fn place_flat(self, flat: Arc<FlatWorld>) -> Result<Trial<FlatSimulator>, TrialError> {
+        self.build_in(Some(flat.digest()), |setup, sensors| {
             let TrialSettings { body, laser, .. } = setup.settings;
             let robots = FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors);
             match setup.scenario {
@@ -252,10 +261,25 @@ impl<'w> TrialBuilder<'w> {
     ///
     /// As [`TrialBuilder::build_flat`].
     pub fn build<B: RobotBackend>(
+        self,
+        place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
+    ) -> Result<Trial<B>, TrialError> {
+        self.build_in(None, place)
+    }
+
+    /// Builds a trial with a custom robot backend in the world of a digest, if one is given.
+    fn build_in<B: RobotBackend>(
         mut self,
+        indexed: Option<Digest>,
         place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
     ) -> Result<Trial<B>, TrialError> {
         self.setup()?;
+        // It takes long in large worlds, thus once for the check and for the log.
+        let digest = self.world.digest();
+        if let Some(indexed) = indexed.filter(|indexed| *indexed != digest) {
+            let (expected, found) = (digest.to_string(), indexed.to_string());
+            return Err(TrialError::OtherFlatWorld { expected, found });
+        }
         let TrialBuilder { world, parts, settings, starts, source, scenario, .. } = &mut self;
         let mut moving = None;
         if let Some(scenario) = scenario.take() {
@@ -290,7 +314,7 @@ impl<'w> TrialBuilder<'w> {
             observer,
             foreign,
             source: source.take().unwrap_or_else(|| LogWorld::of(world)),
-            world_digest: world.digest().to_string(),
+            world_digest: digest.to_string(),
             clock: Clock::default(),
             ends: vec![None; starts.len()],
             finished: vec![false; starts.len()],

@@ -88,6 +88,14 @@ pub enum TrialError {
         /// Digest of the given world.
         found: String,
     },
+    /// A [`FlatWorld`](crate::flat::FlatWorld) is the index of another world.
+    #[error("the flat world must be that of the world with digest {expected}, got that of {found}")]
+    OtherFlatWorld {
+        /// Digest of the trial's world.
+        expected: String,
+        /// Digest of the world that was indexed.
+        found: String,
+    },
     /// A log's robot backend was not the flat simulator.
     #[error(
         "the log's engine is `{found}`, expected `{}` for the flat simulator",

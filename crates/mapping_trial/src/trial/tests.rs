@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use envgen::geometry::Pose;
 use envgen::hallway::HallwaySpec;
 use envgen::indoor::IndoorSpec;
@@ -5,7 +7,7 @@ use envgen::{Blueprint, Seed, Spec, World};
 
 use super::*;
 use crate::backend::Command;
-use crate::flat::FlatSimulator;
+use crate::flat::{FlatSimulator, FlatWorld};
 use crate::robot::Robot;
 use crate::score::Reference;
 use crate::slam::SlamKind;
@@ -22,6 +24,38 @@ fn run(world: &World, settings: TrialSettings) -> Trial<FlatSimulator> {
     let mut trial = Trial::flat(world, settings).expect("a trial");
     while trial.step() {}
     trial
+}
+
+#[test]
+fn an_index_of_another_world_or_robot_is_refused() {
+    let (world, settings) = (hallway(), short(1.0));
+    let build = |world: &World, settings: TrialSettings, flat: &Arc<FlatWorld>| {
+        Trial::builder(world, settings).build_flat_in(Arc::clone(flat)).map(|_| ())
+    };
+    let flat = Arc::new(FlatWorld::new(&world, &settings.body).expect("a robot"));
+    assert_eq!(build(&world, settings.clone(), &flat), Ok(()));
+    // Without its walls, a robot would drive through them.
+    let mut empty = world.clone();
+    empty.walls.clear();
+    let (expected, found) = (empty.digest().to_string(), world.digest().to_string());
+    let refused = Err(TrialError::OtherFlatWorld { expected, found });
+    assert_eq!(build(&empty, settings.clone(), &flat), refused);
+    let mut other = settings.clone();
+    other.body.laser_mount.height = 0.2;
+    let error = build(&world, other, &flat).expect_err("another laser").to_string();
+    let expected =
+        "`body.laser_mount.height` must be 0.45, got 0.2: the world was indexed for such robots";
+    assert_eq!(error, expected);
+    // A smaller robot does not see the difference.
+    let mut small = settings;
+    small.body = Robot { length: 0.3, width: 0.3, circumscribed_radius: 0.25, ..small.body };
+    let own = Arc::new(FlatWorld::new(&world, &small.body).expect("a robot"));
+    let [shared, own] = [flat, own].map(|flat| {
+        let mut trial = Trial::builder(&world, small.clone()).build_flat_in(flat).expect("a trial");
+        while trial.step() {}
+        trial.log().digest()
+    });
+    assert_eq!(shared, own);
 }
 
 /// What must be the same after a replay.
