@@ -20,6 +20,22 @@ const USUAL_WEIGHT: f64 = 6.0;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeasureError {
+    /// The panel has no conditions, over which difficulties are means.
+    #[error("the panel {panel:?} has no conditions, and a measurement needs one")]
+    NoConditions {
+        /// Name of the panel.
+        panel: String,
+    },
+    /// The panel has no condition of this number.
+    #[error(
+        "the number of a condition must be less than {conditions}, as many as the panel has, got {number}"
+    )]
+    NoSuchCondition {
+        /// The number, from 0.
+        number: usize,
+        /// Number of conditions of the panel.
+        conditions: usize,
+    },
     /// No trial can run in the world under a condition.
     #[error("the condition {condition:?} of the panel cannot run in this world: {reason}")]
     Trial {
@@ -121,12 +137,18 @@ impl<'a> Measuring<'a> {
         Measuring { site: Site::new(world.clone(), source), panel, noise, scores }
     }
 
-    /// Runs one more trial under each of some conditions, on all threads of the current pool.
+    /// Runs one more trial under each of some conditions of the panel, by their numbers from 0, on all
+    /// threads of the current pool.
     ///
     /// # Errors
     ///
-    /// If no trial can run under one of them, or if a driver fails.
+    /// If the panel has no such condition, if no trial can run under one of them, or if a driver fails.
+    /// No trial is added then.
     pub fn add(&mut self, conditions: &[usize]) -> Result<(), MeasureError> {
+        let count = self.scores.len();
+        if let Some(&number) = conditions.iter().find(|&&number| number >= count) {
+            return Err(MeasureError::NoSuchCondition { number, conditions: count });
+        }
         let run = |condition: usize| {
             let own = &self.panel.conditions[condition];
             // With the same noise under all conditions, noise would not average out.
@@ -229,8 +251,8 @@ impl<'a> Measuring<'a> {
 ///
 /// # Errors
 ///
-/// If no trial can run under one of the conditions, since the world has no start or the robot does not
-/// fit there; or if a driver fails.
+/// If the panel has no conditions; if no trial can run under one of them, since the world has no start
+/// or the robot does not fit there; or if a driver fails.
 pub fn measure(
     world: &World,
     panel: &Panel,
@@ -238,12 +260,25 @@ pub fn measure(
     noise: Seed,
     seeds: u32,
 ) -> Result<Measurement, MeasureError> {
+    check_conditions(panel)?;
     let mut measuring = Measuring::new(world, panel, noise);
     let all: Vec<usize> = (0..panel.conditions.len()).collect();
     for _ in 0..seeds.max(1) {
         measuring.add(&all)?;
     }
     Ok(measuring.finish(scale).unwrap_or_else(|| unreachable!("every condition has a trial")))
+}
+
+/// Checks that a panel has conditions.
+///
+/// # Errors
+///
+/// Names the panel if it has none.
+pub(super) fn check_conditions(panel: &Panel) -> Result<(), MeasureError> {
+    if panel.conditions.is_empty() {
+        return Err(MeasureError::NoConditions { panel: panel.name.clone() });
+    }
+    Ok(())
 }
 
 /// Returns the scores D, M and N of a trial.
@@ -282,8 +317,10 @@ fn estimate(conditions: &[Vec<f64>], usual_variance: f64) -> Estimate {
 mod tests {
     use envgen::hallway::HallwaySpec;
     use envgen::{Blueprint, Spec};
+    use proptest::prelude::*;
 
     use super::*;
+    use crate::difficulty::reference_scale;
 
     #[test]
     fn conditions_count_the_same_however_many_trials_they_have() {
@@ -292,6 +329,43 @@ mod tests {
         // Three degrees of freedom without any spread, six with the usual one.
         let variance = 6.0 * 0.25 / 9.0;
         assert!((found.standard_error - (variance * 1.25_f64).sqrt() / 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_panel_without_conditions_measures_nothing() {
+        let mut panel = Panel::reference();
+        panel.conditions.clear();
+        let world = HallwaySpec { segments: 1, ..Default::default() };
+        let world = world.generate(Seed(1)).expect("a hallway").to_world();
+        let found = measure(&world, &panel, reference_scale(), Seed(5), 1);
+        let error = found.expect_err("no conditions");
+        assert_eq!(error, MeasureError::NoConditions { panel: "reference".to_owned() });
+        let text = error.to_string();
+        assert_eq!(text, "the panel \"reference\" has no conditions, and a measurement needs one");
+        let mut measuring = Measuring::new(&world, &panel, Seed(5));
+        assert_eq!(measuring.add(&[]), Ok(()));
+        assert_eq!((measuring.dials(reference_scale()), measuring.trials()), (None, 0));
+        assert_eq!(measuring.finish(reference_scale()), None);
+    }
+
+    proptest! {
+        #[test]
+        fn a_condition_that_the_panel_lacks_is_named(
+            number in prop_oneof![12..99_usize, any::<usize>().prop_map(|n| n.max(12))],
+            place in 0..3_usize,
+        ) {
+            let panel = Panel::reference();
+            let world = HallwaySpec { segments: 1, ..Default::default() };
+            let world = world.generate(Seed(1)).expect("a hallway").to_world();
+            let mut measuring = Measuring::new(&world, &panel, Seed(5));
+            let mut numbers = vec![0, 11];
+            numbers.insert(place, number);
+            let error = measuring.add(&numbers).expect_err("no such condition");
+            prop_assert_eq!(&error, &MeasureError::NoSuchCondition { number, conditions: 12 });
+            let text = format!("must be less than 12, as many as the panel has, got {number}");
+            prop_assert!(error.to_string().ends_with(&text), "{}", error);
+            prop_assert_eq!(measuring.trials(), 0);
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use envgen::indoor::{FloorPlan, IndoorError, IndoorSpec, Request};
 use envgen::{Blueprint, Seed, World};
 use thiserror::Error;
 
-use super::measure::{MeasureError, Measurement, Measuring, measure};
+use super::measure::{MeasureError, Measurement, Measuring, check_conditions, measure};
 use super::panel::Panel;
 
 /// How near the measured difficulty of a map should be to the request.
@@ -68,7 +68,8 @@ struct Racer<'a> {
 ///
 /// # Errors
 ///
-/// If the request is not allowed or out of reach, or if the panel cannot drive in a candidate.
+/// If the panel has no conditions, if the request is not allowed or out of reach, or if the panel cannot
+/// drive in a candidate.
 pub fn verified(
     spec: &IndoorSpec,
     seed: Seed,
@@ -77,6 +78,7 @@ pub fn verified(
     seeds: u32,
     step: &mut dyn FnMut(usize),
 ) -> Result<Verified, VerifyError> {
+    check_conditions(panel)?;
     let request = spec.request();
     let mut plans = spec.candidates(seed)?;
     let mut worlds: Vec<World> = plans.iter().take(RACERS).map(FloorPlan::to_world).collect();
@@ -194,6 +196,17 @@ mod tests {
             assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
             assert!(all.iter().all(|&i| i < few));
         }
+    }
+
+    #[test]
+    fn a_panel_without_conditions_verifies_nothing() {
+        let mut panel = Panel::reference();
+        panel.conditions.clear();
+        assert_eq!(most_trials(&panel, 1), 0);
+        let spec = IndoorSpec { profile: Profile::Calibrated, ..Default::default() };
+        let found = verified(&spec, Seed(4), &panel, reference_scale(), 1, &mut |_| ());
+        let error = MeasureError::NoConditions { panel: "reference".to_owned() };
+        assert_eq!(found, Err(VerifyError::Measure(error)));
     }
 
     #[test]
