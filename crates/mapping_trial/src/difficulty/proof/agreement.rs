@@ -10,7 +10,7 @@ use crate::score::kendall_tau;
 /// How well measured values agree with requested ones, over maps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Agreement {
-    /// Number of maps.
+    /// Number of maps, which is 0 for lists of different lengths.
     pub maps: usize,
     /// Spearman's rank correlation.
     pub rho: Option<Interval>,
@@ -26,8 +26,20 @@ pub struct Agreement {
     pub near: Option<Interval>,
 }
 
-/// Compares values map by map, with 95 % intervals by the bootstrap over maps.
+/// Compares values map by map, with 95 % intervals by the bootstrap over maps. Nothing is known for
+/// lists of different lengths, without maps, or if a value is not finite.
+///
+/// ```
+/// use mapping_trial::difficulty::proof::agreement;
+///
+/// let found = agreement(&[1.0, 3.0, 5.0, 7.0], &[1.5, 3.5, 5.5, 7.5]);
+/// assert_eq!(found.error.map(|error| error.value), Some(0.5));
+/// assert_eq!(agreement(&[], &[]).error, None);
+/// ```
 pub fn agreement(requested: &[f64], measured: &[f64]) -> Agreement {
+    if requested.len() != measured.len() {
+        return Agreement::new(0, [None; 6]);
+    }
     let mut stream: Stream = Seed(0).stream("proof/bootstrap", 0);
     let found = bootstrap(&vec![0; requested.len()], &mut stream, |drawn| {
         statistics(&pick(requested, drawn), &pick(measured, drawn))
@@ -38,13 +50,16 @@ pub fn agreement(requested: &[f64], measured: &[f64]) -> Agreement {
 /// Does the same for scores of another panel, which are linked by the scores of other maps under the
 /// reference panel and under the other one. `dial` converts a score of the reference panel to a
 /// difficulty. The bootstrap also draws the maps of the link and fits it again, so that the intervals
-/// include its error. Returns `None` without a link.
+/// include its error. Returns `None` without a link, or for lists of different lengths.
 pub(super) fn linked_agreement(
     (requested, scores): (&[f64], &[f64]),
     (reference, other): (&[f64], &[f64]),
     dial: impl Fn(f64) -> f64,
 ) -> Option<Agreement> {
     Link::new(reference, other)?;
+    if requested.len() != scores.len() {
+        return None;
+    }
     let (tested, linking) = (requested.len(), other.len());
     let groups: Vec<usize> = [0].repeat(tested).into_iter().chain([1].repeat(linking)).collect();
     let mut stream: Stream = Seed(0).stream("proof/bootstrap", 0);
@@ -64,10 +79,13 @@ fn pick(values: &[f64], drawn: &[usize]) -> Vec<f64> {
     drawn.iter().map(|&i| values[i]).collect()
 }
 
-/// Returns the statistics in the order of [`Agreement`].
+/// Returns the statistics in the order of [`Agreement`]; none without maps, or if a value is not finite.
 fn statistics(x: &[f64], y: &[f64]) -> [Option<f64>; 6] {
+    if x.is_empty() || !x.iter().chain(y).all(|value| value.is_finite()) {
+        return [None; 6];
+    }
     let line = line(x, y);
-    let n = x.len().max(1) as f64;
+    let n = x.len() as f64;
     let errors = || x.iter().zip(y).map(|(x, y)| (x - y).abs());
     let error = errors().sum::<f64>() / n;
     let near = errors().filter(|error| *error <= NEAR_REQUEST).count() as f64 / n;
@@ -110,8 +128,12 @@ pub struct Link {
 }
 
 impl Link {
-    /// Computes the link from paired values; `None` if the other values do not vary.
+    /// Computes the link from paired values; `None` if the other values do not vary, for lists of
+    /// different lengths, or if a value is not finite.
     pub fn new(reference: &[f64], other: &[f64]) -> Option<Self> {
+        if reference.len() != other.len() {
+            return None;
+        }
         let n = other.len() as f64;
         let moments = |values: &[f64]| {
             let mean = values.iter().sum::<f64>() / n;
@@ -121,10 +143,10 @@ impl Link {
         let ((mean, deviation), (other_mean, other_deviation)) =
             (moments(reference), moments(other));
         // Equal values deviate by rounding.
-        (other_deviation > 1e-9 * other_mean.abs()).then(|| {
-            let slope = deviation / other_deviation;
-            Link { slope, intercept: mean - slope * other_mean, maps: other.len() }
-        })
+        let varies = other_deviation > 1e-9 * other_mean.abs();
+        let slope = deviation / other_deviation;
+        let link = Link { slope, intercept: mean - slope * other_mean, maps: other.len() };
+        (varies && link.slope.is_finite() && link.intercept.is_finite()).then_some(link)
     }
 
     /// Converts a value to the reference's scale.
@@ -135,6 +157,8 @@ impl Link {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
@@ -150,6 +174,37 @@ mod tests {
         assert!((value(found.error) - error).abs() < 1e-12);
         // At 5, 6 and 7, of which the line has 5.5, 6 and 6.5.
         assert_eq!(value(found.near), 3.0 / 40.0);
+    }
+
+    #[test]
+    fn nothing_agrees_without_pairs_of_numbers() {
+        let nothing = |maps| Agreement::new(maps, [None; 6]);
+        assert_eq!(agreement(&[], &[]), nothing(0));
+        for (a, b) in [(&[1.0, 2.0, 3.0][..], &[1.0, 2.0][..]), (&[][..], &[1.0][..])] {
+            assert_eq!((agreement(a, b), agreement(b, a)), (nothing(0), nothing(0)));
+            assert_eq!((Link::new(a, b), Link::new(b, a)), (None, None));
+            let same = (&[1.0, 2.0][..], &[3.0, 5.0][..]);
+            assert_eq!(linked_agreement((a, b), same, |x| x), None);
+            assert_eq!(linked_agreement(same, (a, b), |x| x), None);
+        }
+        for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let (good, bad) = ([1.0, 2.0, 4.0], [1.0, wrong, 4.0]);
+            assert_eq!((agreement(&good, &bad), agreement(&bad, &good)), (nothing(3), nothing(3)));
+            assert_eq!((Link::new(&good, &bad), Link::new(&bad, &good)), (None, None));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn links_are_numbers(
+            a in prop::collection::vec(prop_oneof![any::<f64>(), -9.0..9.0_f64], 0..9),
+            b in prop::collection::vec(prop_oneof![any::<f64>(), -9.0..9.0_f64], 0..9),
+        ) {
+            if let Some(link) = Link::new(&a, &b) {
+                prop_assert!(link.slope.is_finite() && link.intercept.is_finite(), "{:?}", link);
+                prop_assert_eq!((a.len(), b.len()), (link.maps, link.maps));
+            }
+        }
     }
 
     #[test]

@@ -1,7 +1,5 @@
 //! Rank correlation.
 
-use statrs::statistics::{Data, OrderStatistics, RankTieBreaker};
-
 use super::measure::MapValues;
 use crate::experiment::design::Design;
 
@@ -12,7 +10,7 @@ const SHUFFLES: usize = 10_000;
 const NEAR: f64 = 1e-9;
 
 /// Returns Spearman's rank correlation, where ties have their mean rank; `None` for lists of different
-/// lengths, or if all values of one list are equal.
+/// lengths, if all values of one list are equal, or if one is NaN.
 ///
 /// ```
 /// use mapping_trial::experiment::stats::spearman;
@@ -23,12 +21,25 @@ const NEAR: f64 = 1e-9;
 /// assert_eq!(spearman(&levels, &[0.5, 0.5, 0.5]), None);
 /// ```
 pub fn spearman(a: &[f64], b: &[f64]) -> Option<f64> {
-    pearson(&ranks(a), &ranks(b))
+    pearson(&ranks(a)?, &ranks(b)?)
 }
 
-/// Returns the ranks of values from 1, where ties have their mean rank.
-pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
-    Data::new(values.to_vec()).ranks(RankTieBreaker::Average)
+/// Returns the ranks of values from 1, where ties have their mean rank; `None` if a value is NaN.
+pub(crate) fn ranks(values: &[f64]) -> Option<Vec<f64>> {
+    if values.iter().any(|value| value.is_nan()) {
+        return None;
+    }
+    // Adding 0 makes -0 the 0 that it is equal to.
+    let at = |i: usize| values[i] + 0.0;
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|&i, &j| at(i).total_cmp(&at(j)));
+    let (mut ranks, mut before) = (vec![0.0; values.len()], 0);
+    for ties in order.chunk_by(|&i, &j| at(i) == at(j)) {
+        let rank = before as f64 + 0.5 * (ties.len() + 1) as f64;
+        ties.iter().for_each(|&i| ranks[i] = rank);
+        before += ties.len();
+    }
+    Some(ranks)
 }
 
 /// Pearson's correlation.
@@ -53,16 +64,19 @@ pub(crate) fn pearson(a: &[f64], b: &[f64]) -> Option<f64> {
 /// in random order.
 #[derive(Clone, Debug)]
 pub struct Null {
-    /// The correlations in ascending order.
+    /// The correlations in ascending order; none if what was measured has no ranks.
     rhos: Vec<f64>,
 }
 
 impl Null {
     /// Shuffles measured values, one per map of a design. The draws follow from the design's seed.
-    /// Equal values stay equal.
+    /// Equal values stay equal. Of values of which one is NaN nothing is rare by chance: there is no
+    /// critical value, and all probabilities are 1.
     pub fn new(design: &Design, maps: &[MapValues], measured: &[f64]) -> Self {
         let levels: Vec<f64> = maps.iter().map(|map| design.levels[map.level]).collect();
-        let (levels, mut places) = (ranks(&levels), ranks(measured));
+        let Some((levels, mut places)) = ranks(&levels).zip(ranks(measured)) else {
+            return Null { rhos: Vec::new() };
+        };
         // This makes the draws depend only on which values are equal.
         places.sort_by(f64::total_cmp);
         let mut stream = design.seed.stream("experiment/null", 0);
@@ -79,7 +93,7 @@ impl Null {
     /// `None` if chance reaches even the greatest one more often.
     pub fn critical(&self) -> Option<f64> {
         // This includes the correlation itself, as in `p_value`.
-        let allowed = (self.rhos.len() + 1) / 20 - 1;
+        let allowed = ((self.rhos.len() + 1) / 20).checked_sub(1)?;
         let edge = self.rhos[self.rhos.len() - allowed - 1];
         self.rhos.iter().find(|&&rho| rho > edge + NEAR).copied()
     }
@@ -99,6 +113,8 @@ impl Null {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::super::measure::MEASURES;
     use super::*;
     use crate::experiment::record::MapFeatures;
@@ -116,6 +132,55 @@ mod tests {
         assert_eq!(spearman(&[1.0, 1.0], &[1.0, 2.0]), None);
         assert_eq!(spearman(&[], &[]), None);
         assert_eq!(spearman(&[1.0], &[1.0, 2.0]), None);
+    }
+
+    /// Ranks by counting the values below and the equal ones.
+    fn counted(values: &[f64]) -> Vec<f64> {
+        let rank = |own: &f64| {
+            let below = values.iter().filter(|other| *other < own).count();
+            let equal = values.iter().filter(|other| *other == own).count();
+            below as f64 + 0.5 * (equal as f64 + 1.0)
+        };
+        values.iter().map(rank).collect()
+    }
+
+    /// Numbers with many ties, and now and then infinite ones and NaN.
+    fn number() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            6 => (-3..3_i32).prop_map(f64::from),
+            2 => any::<f64>(),
+            1 => prop::sample::select(vec![-0.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN]),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn any_numbers_have_a_correlation_or_none(
+            a in prop::collection::vec(number(), 0..12), b in prop::collection::vec(number(), 0..12),
+            equal: bool,
+        ) {
+            let b = if equal { a.iter().rev().copied().collect() } else { b };
+            let is_nan = |values: &[f64]| values.iter().any(|value| value.is_nan());
+            for values in [&a, &b] {
+                prop_assert_eq!(ranks(values), (!is_nan(values)).then(|| counted(values)));
+            }
+            let found = spearman(&a, &b);
+            if a.len() != b.len() || is_nan(&a) || is_nan(&b) {
+                prop_assert_eq!(found, None);
+            } else {
+                prop_assert_eq!(found, pearson(&counted(&a), &counted(&b)));
+                prop_assert!(found.is_none_or(|rho| (-1.0..=1.0).contains(&rho)));
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_no_ranks_is_never_rare_by_chance() {
+        assert_eq!(spearman(&[1.0, f64::NAN, 3.0], &[1.0, 2.0, 3.0]), None);
+        assert_eq!(spearman(&[f64::INFINITY; 2], &[1.0, 2.0]), None);
+        let null = null(&[1.0, 2.0, f64::NAN, 4.0]);
+        assert_eq!(null.critical(), None);
+        assert_eq!((null.p_value(1.0), null.p_value_below(-1.0)), (1.0, 1.0));
     }
 
     /// The null of measurements in pairs of maps, each pair of a higher level than the one before.

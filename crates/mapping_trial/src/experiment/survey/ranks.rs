@@ -84,7 +84,7 @@ const CSV_HEAD: [&str; 8] =
     ["family", "world_seed", "rank_D1", "rank_D", "rank_M1", "rank_M", "rank_N1", "rank_N"];
 
 /// Ranks worlds, each given by the number of its family and all its trials; `None` for fewer than two
-/// worlds.
+/// worlds, or if a score is NaN.
 pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ranks> {
     if worlds.len() < 2 {
         return None;
@@ -97,7 +97,11 @@ pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ra
         worlds.iter().map(|(_, trials)| mean(trials)).collect()
     };
     let values = PAIRS.map(|pair| pair.map(means));
-    let places = values.each_ref().map(|pair| pair.each_ref().map(|all| stats::ranks(all)));
+    let [difficulty, mapping, navigation] = values.each_ref().map(|[one, two]| {
+        let (one, two) = stats::ranks(one).zip(stats::ranks(two))?;
+        Some([one, two])
+    });
+    let places = [difficulty?, mapping?, navigation?];
     let family = |number: usize| {
         let own: Vec<usize> = (0..worlds.len()).filter(|&i| worlds[i].0 == number).collect();
         let [difficulty, mapping, navigation] = places.each_ref().map(|pair| {
