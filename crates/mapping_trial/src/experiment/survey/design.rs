@@ -1,5 +1,7 @@
 //! Surveys: the worlds, conditions and trials of which they consist.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use envgen::scenario::ScenarioSpec;
 use envgen::settings::Setting;
 use envgen::{Seed, SettingsError, SpecError, WorldSpec};
@@ -170,7 +172,7 @@ pub enum SurveyError {
     Settings(#[from] SettingsError),
 }
 
-/// A world of a survey.
+/// A world of a survey, of [`Survey::maps`].
 #[derive(Clone, Copy, Debug)]
 pub struct SurveyMap<'a> {
     /// Number of the world in the survey, from 0.
@@ -179,6 +181,9 @@ pub struct SurveyMap<'a> {
     pub family: &'a Family,
     /// Seed of the world.
     pub seed: Seed,
+    /// Number of worlds of the same seed in earlier families. It is 0 where noise is shared, which does
+    /// not depend on it.
+    earlier: u64,
 }
 
 fn one() -> u32 {
@@ -258,7 +263,16 @@ impl Survey {
         let all = self.families.iter().flat_map(|family| {
             (0..u64::from(family.maps)).map(move |n| (family, family.first_seed.offset(n)))
         });
-        all.zip(0..).map(|((family, seed), number)| SurveyMap { number, family, seed })
+        // Counted on the way, since there may be as many families as worlds.
+        let mut counts = (self.noise == SurveyNoise::Own).then(BTreeMap::<Seed, u64>::new);
+        all.zip(0..).map(move |((family, seed), number)| {
+            let earlier = counts.as_mut().map_or(0, |counts| {
+                let count = counts.entry(seed).or_default();
+                *count += 1;
+                *count - 1
+            });
+            SurveyMap { number, family, seed, earlier }
+        })
     }
 
     /// Returns the number of trials.
@@ -268,8 +282,8 @@ impl Survey {
         maps.saturating_mul(per_map)
     }
 
-    /// Returns the seed of the sensor noise of a trial, given the numbers of its condition and of its
-    /// noise seed.
+    /// Returns the seed of the sensor noise of a trial, given its world, which must be one of this survey,
+    /// and the numbers of its condition and of its noise seed.
     ///
     /// It depends on the seed of the world. If trials share no noise, it also depends on the number of
     /// conditions and on the number of earlier families with a world of this seed, but not on other
@@ -278,22 +292,12 @@ impl Survey {
         let (per_seed, own) = match self.noise {
             SurveyNoise::Shared => (1, 0),
             SurveyNoise::Own => {
-                let earlier = self.families.iter().take_while(|one| one.name != map.family.name);
-                let same = earlier.filter(|family| family.has_seed(map.seed)).count() as u64;
-                let own = same.wrapping_mul(BETWEEN_SAME_SEEDS).wrapping_add(condition.into());
-                (self.conditions.len() as u64, own)
+                let own = map.earlier.wrapping_mul(BETWEEN_SAME_SEEDS);
+                (self.conditions.len() as u64, own.wrapping_add(condition.into()))
             }
         };
         let first = map.seed.0.wrapping_mul(per_seed * u64::from(MAX_NOISE_SEEDS));
         Seed(first).offset(u64::from(noise) * per_seed).offset(own)
-    }
-}
-
-impl Family {
-    /// Whether one of its worlds has this seed.
-    fn has_seed(&self, seed: Seed) -> bool {
-        let number = seed.0.checked_sub(self.first_seed.0);
-        number.is_some_and(|number| number < u64::from(self.maps))
     }
 }
 
@@ -335,8 +339,8 @@ fn names<'a>(
     names: impl Iterator<Item = &'a String>,
 ) -> Result<(), SpecError> {
     let names: Vec<&String> = names.collect();
-    let twice = names.iter().enumerate().any(|(i, name)| names[..i].contains(name));
-    if names.is_empty() || twice {
+    let distinct: BTreeSet<&String> = names.iter().copied().collect();
+    if names.is_empty() || distinct.len() < names.len() {
         let text = names.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(", ");
         return Err(SpecError::new(field, text, "one or more, each of another name"));
     }
@@ -345,6 +349,8 @@ fn names<'a>(
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn survey() -> Survey {
@@ -397,6 +403,62 @@ mod tests {
         all.sort_unstable();
         all.dedup();
         assert_eq!(all.len(), 20);
+    }
+
+    /// The offset of a world's noise by going through all families before its own.
+    fn earlier_by_families(survey: &Survey, map: &SurveyMap<'_>) -> u64 {
+        let earlier = survey.families.iter().take_while(|one| one.name != map.family.name);
+        let has_seed = |family: &&Family| {
+            let number = map.seed.0.checked_sub(family.first_seed.0);
+            number.is_some_and(|number| number < u64::from(family.maps))
+        };
+        earlier.filter(has_seed).count() as u64
+    }
+
+    proptest! {
+        #[test]
+        fn worlds_of_a_seed_are_counted_over_earlier_families(
+            families in prop::collection::vec((1..9_u32, 0..12_u64), 1..9),
+            last: bool, condition in 0..2_u32, noise in 0..2_u32,
+        ) {
+            let mut survey = Survey { noise: SurveyNoise::Own, ..survey() };
+            let of = |(i, (maps, first)): (usize, (u32, u64))| Family {
+                name: i.to_string(),
+                maps,
+                first_seed: Seed(if last { u64::MAX - 20 + first } else { first }),
+                ..survey.families[0].clone()
+            };
+            survey.families = families.into_iter().enumerate().map(of).collect();
+            prop_assert_eq!(survey.validate(), Ok(()));
+            for map in survey.maps() {
+                let earlier = earlier_by_families(&survey, &map);
+                prop_assert_eq!(map.earlier, earlier);
+                let first = Seed(map.seed.0.wrapping_mul(2000)).offset(u64::from(noise) * 2);
+                let expected = first.offset((earlier << 48) + u64::from(condition));
+                prop_assert_eq!(survey.noise_seed(&map, condition, noise), expected);
+            }
+        }
+    }
+
+    /// It would take minutes if each family went through all others.
+    #[test]
+    fn there_may_be_very_many_families() {
+        let mut survey = Survey { noise: SurveyNoise::Own, noise_seeds: 1, ..survey() };
+        let family = |i: u64| Family {
+            name: format!("family {i}"),
+            spec: envgen::hallway::HallwaySpec::default().into(),
+            maps: 1,
+            first_seed: Seed(i / 2),
+        };
+        survey.families = (0..200_000).map(family).collect();
+        assert_eq!(survey.validate(), Ok(()));
+        let mut seeds: Vec<Seed> = survey.maps().map(|map| survey.noise_seed(&map, 1, 0)).collect();
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!(seeds.len(), 200_000);
+        survey.families[199_999].name = "family 7".to_owned();
+        let error = survey.validate().expect_err("a name twice").to_string();
+        assert!(error.contains("each of another name"), "{}", &error[..99]);
     }
 
     #[test]

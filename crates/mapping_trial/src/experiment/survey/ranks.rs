@@ -1,5 +1,7 @@
 //! How the order of a survey's worlds differs between score 1 and score 2, which is the default.
 
+use std::collections::BTreeMap;
+
 use envgen::Seed;
 use serde::Serialize;
 
@@ -102,13 +104,16 @@ pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ra
         Some([one, two])
     });
     let places = [difficulty?, mapping?, navigation?];
-    let family = |number: usize| {
-        let own: Vec<usize> = (0..worlds.len()).filter(|&i| worlds[i].0 == number).collect();
+    // The worlds of each family.
+    let mut by_family: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (i, (family, _)) in worlds.iter().enumerate() {
+        by_family.entry(*family).or_default().push(i);
+    }
+    let family = |(number, own): (usize, Vec<usize>)| {
         let [difficulty, mapping, navigation] = places.each_ref().map(|pair| {
             pair.each_ref().map(|all| own.iter().map(|&i| all[i]).sum::<f64>() / own.len() as f64)
         });
-        let family = names[number].to_owned();
-        (!own.is_empty()).then_some(FamilyRanks { family, difficulty, mapping, navigation })
+        FamilyRanks { family: names[number].to_owned(), difficulty, mapping, navigation }
     };
     let world = |i: usize| {
         let [difficulty, mapping, navigation] =
@@ -120,7 +125,7 @@ pub(super) fn ranks(names: &[&str], worlds: &[(usize, &[&Record])]) -> Option<Ra
     Some(Ranks {
         worlds: worlds.len(),
         tau: values.each_ref().map(|[one, two]| kendall_tau(one, two)),
-        families: (0..names.len()).filter_map(family).collect(),
+        families: by_family.into_iter().map(family).collect(),
         each: (0..worlds.len()).map(world).collect(),
     })
 }
@@ -166,5 +171,14 @@ mod tests {
         assert!((tau + 2.0 / 6.0_f64.sqrt()).abs() < 1e-12, "{tau}");
         assert_eq!(found.tau[1], None);
         assert_eq!(ranks(&["a"], &worlds[..1]), None);
+        // Families without worlds have no ranks.
+        let sparse = [(3, &all[0..2]), (3, &all[2..4]), (1, &all[4..6])];
+        let sparse = ranks(&["a", "b", "c", "d"], &sparse).expect("three worlds");
+        let ranks_of =
+            |i: usize| (sparse.families[i].family.as_str(), sparse.families[i].difficulty);
+        assert_eq!(sparse.families.len(), 2);
+        assert_eq!([ranks_of(0), ranks_of(1)], [("b", [3.0, 1.0]), ("d", [1.5, 2.5])]);
+        let nan = record(3, f64::NAN, 1.0);
+        assert_eq!(ranks(&["a", "b"], &[(0, &all[0..2]), (1, &[&nan])]), None);
     }
 }
