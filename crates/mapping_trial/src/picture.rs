@@ -1,13 +1,11 @@
 //! Pictures of maps, with trajectories: the robot's map, the mappable area, and their differences.
 
-use std::ops::Range;
-
 use envgen::geometry::{Pose, Rect, unit_vector};
 use envgen::palette::{Srgb, map};
 use envgen::picture::Figure;
 use glam::DVec2;
 
-use crate::map::{Cell, CellIndex, OccupancyMap, RESOLUTION};
+use crate::map::{DECIDED, OccupancyMap, RESOLUTION, TILE};
 use crate::mappable_area::MappableArea;
 use envgen::distance::squared_distances;
 
@@ -77,15 +75,35 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Draws a map: free cells white, occupied ones black, unknown ones grey, as usual for ROS maps.
+    /// Draws a map: free cells white, occupied ones black, unknown ones grey, as usual for ROS maps. In
+    /// large areas, where a pixel covers several cells, it is black if one of them is occupied,
+    /// otherwise white if one is free.
     pub fn of_map(map: &OccupancyMap, area: Rect) -> Self {
         let mut picture = Picture::empty(area);
-        // Outside of its bounds the map knows nothing.
-        let Some(known) = map.bounds() else { return picture };
-        let (cols, rows) = picture.touched(known);
-        for row in rows {
-            for col in cols.clone() {
-                picture.classes[row * picture.width + col] = picture.look(map, col, row);
+        let size = DVec2::new(picture.width as f64, picture.height as f64);
+        // Pixels begin where cells do. Cells are counted in `f64`, since an area may be larger than maps.
+        let first = (picture.area.min / RESOLUTION + 0.5).floor();
+        let scale = (picture.pixel / RESOLUTION).round();
+        for ((col, row), cells) in map.tiles() {
+            let corner = DVec2::new(f64::from(col), f64::from(row)) * f64::from(TILE) - first;
+            let end = corner + f64::from(TILE);
+            if end.cmple(DVec2::ZERO).any() || corner.cmpge(size * scale).any() {
+                continue;
+            }
+            for (row, cells) in cells.chunks_exact(TILE as usize).enumerate() {
+                for (col, &odds) in cells.iter().enumerate().filter(|(_, odds)| is_known(**odds)) {
+                    let cell = corner + DVec2::new(col as f64, row as f64);
+                    let at = (cell / scale).floor();
+                    if at.cmplt(DVec2::ZERO).any() || at.cmpge(size).any() {
+                        continue;
+                    }
+                    let class = &mut picture.classes[at.y as usize * picture.width + at.x as usize];
+                    if odds > 0 {
+                        *class = PixelClass::Wall;
+                    } else if *class == PixelClass::Unknown {
+                        *class = PixelClass::Free;
+                    }
+                }
             }
         }
         picture
@@ -165,34 +183,6 @@ impl Picture {
         Picture { area, pixel, width, height, classes: vec![PixelClass::Unknown; width * height] }
     }
 
-    /// The columns and rows of the pixels that touch a rectangle.
-    fn touched(&self, rect: Rect) -> (Range<usize>, Range<usize>) {
-        let [low, high] = [rect.min, rect.max].map(|p| (p - self.area.min) / self.pixel);
-        // Negative numbers become 0.
-        let range = |low: f64, high: f64, count: usize| {
-            (low.floor() as usize).min(count)..(high.ceil() as usize).min(count)
-        };
-        (range(low.x, high.x, self.width), range(low.y, high.y, self.height))
-    }
-
-    /// What the cells under a pixel are: a wall if one is occupied, otherwise free if one is free.
-    fn look(&self, map: &OccupancyMap, col: usize, row: usize) -> PixelClass {
-        let corner = self.area.min + DVec2::new(col as f64, row as f64) * self.pixel;
-        let first = CellIndex::of(corner + 0.5 * RESOLUTION);
-        let scale = (self.pixel / RESOLUTION).round() as i32;
-        let mut found = PixelClass::Unknown;
-        for y in 0..scale {
-            for x in 0..scale {
-                match map.cell(CellIndex { col: first.col + x, row: first.row + y }) {
-                    Cell::Occupied => return PixelClass::Wall,
-                    Cell::Free => found = PixelClass::Free,
-                    Cell::Unknown => {}
-                }
-            }
-        }
-        found
-    }
-
     /// A line three pixels wide along the poses, an arrow's head at the start and a ring at the end.
     fn draw_path(&mut self, poses: &[Pose], class: PixelClass) {
         for pose in poses {
@@ -235,14 +225,38 @@ impl Picture {
     }
 }
 
+/// Whether log odds are those of an occupied or a free cell.
+fn is_known(odds: i16) -> bool {
+    !(-DECIDED..=DECIDED).contains(&odds)
+}
+
 #[cfg(test)]
 mod tests {
     use envgen::hallway::HallwaySpec;
     use envgen::{Blueprint, Seed, Spec, World};
+    use proptest::prelude::*;
 
     use super::*;
-    use crate::map::HIT;
+    use crate::map::{CLAMP, Cell, CellIndex, HIT};
     use crate::robot::Robot;
+
+    /// What the cells under a pixel are, each looked at.
+    fn look(picture: &Picture, map: &OccupancyMap, col: usize, row: usize) -> PixelClass {
+        let corner = picture.area.min + DVec2::new(col as f64, row as f64) * picture.pixel;
+        let first = CellIndex::of(corner + 0.5 * RESOLUTION);
+        let scale = (picture.pixel / RESOLUTION).round() as i32;
+        let cells = (0..scale).flat_map(|y| (0..scale).map(move |x| (x, y)));
+        let found: Vec<Cell> = cells
+            .map(|(x, y)| map.cell(CellIndex { col: first.col + x, row: first.row + y }))
+            .collect();
+        if found.contains(&Cell::Occupied) {
+            PixelClass::Wall
+        } else if found.contains(&Cell::Free) {
+            PixelClass::Free
+        } else {
+            PixelClass::Unknown
+        }
+    }
 
     fn world() -> World {
         let spec = HallwaySpec { segments: 3, ..Default::default() };
@@ -319,8 +333,53 @@ mod tests {
             let corner = |x: f64, y: f64| known.min + known.size() * DVec2::new(x, y);
             let picture = Picture::of_map(&map, Rect::new(corner(from, -0.2), corner(to, 0.8)));
             for (i, class) in picture.classes.iter().enumerate() {
-                let expected = picture.look(&map, i % picture.width, i / picture.width);
+                let expected = look(&picture, &map, i % picture.width, i / picture.width);
                 assert_eq!(*class, expected, "from {from} to {to}, pixel {i}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_small_map_is_drawn_in_an_area_of_any_size() {
+        let mut map = OccupancyMap::new();
+        (0..20).for_each(|col| map.add(CellIndex { col, row: 3 }, CLAMP));
+        map.add(CellIndex { col: 0, row: 0 }, -CLAMP);
+        for half in [5e3, 1e6, 5e7, 1e8, 1e12] {
+            // The map is in one quarter, in a pixel of its own.
+            let area = Rect::new(DVec2::splat(-half), DVec2::splat(half));
+            let picture = Picture::of_map(&map, area);
+            let known: Vec<usize> = (0..picture.classes.len())
+                .filter(|&i| picture.classes[i] != PixelClass::Unknown)
+                .collect();
+            assert_eq!(known.len(), 1, "{half}");
+            assert_eq!(picture.classes[known[0]], PixelClass::Wall, "{half}");
+            let at =
+                DVec2::new((known[0] % picture.width) as f64, (known[0] / picture.width) as f64);
+            let low = picture.area.min + at * picture.pixel;
+            assert!(low.abs().max_element() < 1e-3 * picture.pixel, "{half}: {low}");
+        }
+        // Far from the map there is nothing.
+        let far = Picture::of_map(&map, Rect::new(DVec2::splat(1e9), DVec2::splat(1e9 + 1.0)));
+        assert_eq!(count(&far, PixelClass::Unknown), far.classes.len());
+        Picture::of_map(&map, Rect::new(DVec2::splat(-1e300), DVec2::splat(1e300)));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn every_pixel_shows_the_cells_below_it(
+            cells in prop::collection::vec((-90..90_i32, -90..90_i32, any::<bool>()), 0..40),
+            x in -6.0..6.0_f64, y in -6.0..6.0_f64, long in 0.01..700.0_f64, wide in 0.01..3.0_f64,
+        ) {
+            let mut map = OccupancyMap::new();
+            for (col, row, occupied) in cells {
+                map.add(CellIndex { col, row }, if occupied { CLAMP } else { -CLAMP });
+            }
+            let low = DVec2::new(x, y);
+            let picture = Picture::of_map(&map, Rect::new(low, low + DVec2::new(long, wide)));
+            for (i, class) in picture.classes.iter().enumerate() {
+                prop_assert_eq!(*class, look(&picture, &map, i % picture.width, i / picture.width));
             }
         }
     }
