@@ -3,6 +3,8 @@
 use envgen::geometry::{Pose, Rect};
 use glam::{DVec2, IVec2};
 
+pub use crate::ros_map::RosMapError;
+
 /// Side of a cell in metres.
 pub const RESOLUTION: f64 = 0.05;
 
@@ -23,7 +25,7 @@ pub const CLAMP: i16 = 400;
 pub const DECIDED: i16 = 62;
 
 /// Greatest number of tiles along a side of the map: 6.5 km.
-const MAX_TILES: i64 = 4096;
+pub(crate) const MAX_TILES: i64 = 4096;
 
 /// The state of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

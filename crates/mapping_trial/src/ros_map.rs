@@ -4,11 +4,34 @@ use envgen::export::ros_map::{MAX_CELLS, RosCell, RosMap};
 use envgen::geometry::{Pose, Rect};
 use envgen::occupancy::OccupancyError;
 use glam::DVec2;
+use thiserror::Error;
 
-use crate::map::{CLAMP, CellIndex, DECIDED, OccupancyMap, RESOLUTION, TILE};
+use crate::map::{CLAMP, CellIndex, DECIDED, MAX_TILES, OccupancyMap, RESOLUTION, TILE};
 
 /// How much finer than [`RESOLUTION`] a map may be and still count as equal, since files round.
 const AS_FINE: f64 = 1.0 - 1e-6;
+
+/// The greatest length in metres of a side of a map. Cells farther out would be lost.
+const MAX_LENGTH: f64 = MAX_TILES as f64 * TILE as f64 * RESOLUTION;
+
+/// An error for which a ROS map cannot be converted.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RosMapError {
+    /// The map would have too many cells.
+    #[error(transparent)]
+    Cells(#[from] OccupancyError),
+    /// The map would be too long in one direction.
+    #[error("the {side} of the map must be at most {most} m in whole tiles, got {length:.1} m")]
+    Side {
+        /// The side: `width` along x, or `height` along y.
+        side: &'static str,
+        /// Its length in metres.
+        length: f64,
+        /// The greatest length in metres that is allowed.
+        most: f64,
+    },
+}
 
 impl OccupancyMap {
     /// Returns the smallest ROS map around all tiles that were ever written, or one unknown cell if
@@ -26,7 +49,7 @@ impl OccupancyMap {
     /// assert_eq!((file.cols, file.rows(), file.resolution), (32, 32, 0.05));
     /// let read = OccupancyMap::from_ros_map(&file, Pose::default())?;
     /// assert_eq!(read.cell(wall), Cell::Occupied);
-    /// # Ok::<(), envgen::occupancy::OccupancyError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     /// # Errors
     ///
@@ -91,8 +114,9 @@ impl OccupancyMap {
     ///
     /// # Errors
     ///
-    /// If the map would have more than [`MAX_CELLS`] cells.
-    pub fn from_ros_map(map: &RosMap, frame: Pose) -> Result<Self, OccupancyError> {
+    /// If the map would have more than [`MAX_CELLS`] cells, or if a side would be longer than maps can
+    /// be, which is 6553.6 m.
+    pub fn from_ros_map(map: &RosMap, frame: Pose) -> Result<Self, RosMapError> {
         let place = frame.compose(map.origin);
         let size = DVec2::new(map.cols as f64, map.rows() as f64) * map.resolution;
         let corners =
@@ -101,13 +125,10 @@ impl OccupancyMap {
         let [cols, rows] = (area.size() / RESOLUTION + 1.0).to_array();
         let fits = cols * rows <= MAX_CELLS as f64;
         if !fits {
-            return Err(OccupancyError::Size {
-                resolution: RESOLUTION,
-                cols,
-                rows,
-                most: MAX_CELLS,
-            });
+            let (resolution, most) = (RESOLUTION, MAX_CELLS);
+            return Err(OccupancyError::Size { resolution, cols, rows, most }.into());
         }
+        check_sides(area, 0.5 * map.resolution.min(RESOLUTION))?;
         let mut found = OccupancyMap::new();
         if map.resolution < AS_FINE * RESOLUTION {
             found.draw_fine(map, place);
@@ -157,6 +178,23 @@ impl OccupancyMap {
             }
         }
     }
+}
+
+/// Checks that tiles can hold all cells of an area. Middles of cells have at least a distance of `inset`
+/// metres from its sides.
+fn check_sides(area: Rect, inset: f64) -> Result<(), RosMapError> {
+    let [low, high] = [area.min + inset, area.max - inset].map(CellIndex::of);
+    let tiles = |low: i32, high: i32| {
+        i64::from(high.div_euclid(TILE)) - i64::from(low.div_euclid(TILE)) + 1
+    };
+    let sides =
+        [("width", low.col, high.col, area.size().x), ("height", low.row, high.row, area.size().y)];
+    for (side, low, high, length) in sides {
+        if tiles(low, high) > MAX_TILES {
+            return Err(RosMapError::Side { side, length, most: MAX_LENGTH });
+        }
+    }
+    Ok(())
 }
 
 /// The number of steps from a point that certainly stay inside the unit square. It is one less than
@@ -285,7 +323,73 @@ mod tests {
             cells: vec![RosCell::Free],
         };
         let error = OccupancyMap::from_ros_map(&map, Pose::default()).unwrap_err();
-        assert!(matches!(error, OccupancyError::Size { .. }), "{error}");
+        assert!(matches!(error, RosMapError::Cells(OccupancyError::Size { .. })), "{error}");
+    }
+
+    /// A free map of one row, or of one column.
+    fn line(cells: usize, resolution: f64, is_column: bool) -> RosMap {
+        let cols = if is_column { 1 } else { cells };
+        RosMap { cols, resolution, origin: Pose::default(), cells: vec![RosCell::Free; cells] }
+    }
+
+    #[test]
+    fn a_side_that_is_too_long_is_named() {
+        for (is_column, side) in [(false, "width"), (true, "height")] {
+            let map = line(20_000, 1.0, is_column);
+            let error = OccupancyMap::from_ros_map(&map, Pose::default()).unwrap_err();
+            let (length, most) = (20_000.0, 6553.6);
+            assert_eq!(error, RosMapError::Side { side, length, most });
+            let text = format!(
+                "the {side} of the map must be at most 6553.6 m in whole tiles, got 20000.0 m"
+            );
+            assert_eq!(error.to_string(), text);
+        }
+        // The longest maps come back as they were.
+        let mut map = OccupancyMap::new();
+        let farthest = MAX_TILES as i32 * TILE - 1;
+        for at in [-40, farthest - 64] {
+            map.add(CellIndex { col: at, row: 3 }, CLAMP);
+        }
+        let found =
+            OccupancyMap::from_ros_map(&map.to_ros_map().unwrap(), Pose::default()).unwrap();
+        for col in [-40, -39, farthest - 64] {
+            let index = CellIndex { col, row: 3 };
+            assert_eq!(found.cell(index), map.cell(index), "{col}");
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+
+        #[test]
+        fn no_cell_is_lost_silently(
+            length in 6400.0..6700.0_f64, resolution in prop_oneof![Just(0.05), 0.03..4.0_f64],
+            start in -7000.0..2000.0_f64, is_column: bool,
+        ) {
+            let map = line((length / resolution) as usize, resolution, is_column);
+            let frame = Pose::new(start, start, 0.0);
+            let length = map.cells.len() as f64 * resolution;
+            match OccupancyMap::from_ros_map(&map, frame) {
+                Ok(found) => {
+                    prop_assert!(length < 6553.7, "{}", length);
+                    for i in 0..map.cells.len() {
+                        let along = (i as f64 + 0.5) * resolution;
+                        let (x, y) = if is_column { (0.0, along) } else { (along, 0.0) };
+                        let half = 0.5 * resolution;
+                        let middle = frame.to_world(DVec2::new(x.max(half), y.max(half)));
+                        // Cells of 5 cm may have their middle beside a row that is thinner.
+                        if resolution > 0.1 {
+                            prop_assert_eq!(found.cell(CellIndex::of(middle)), Cell::Free);
+                        }
+                    }
+                }
+                Err(error) => {
+                    let is_side = matches!(error, RosMapError::Side { .. });
+                    // A tile on either side may be part of the map and of something else.
+                    prop_assert!(is_side && length > 6553.6 - 2.0 * 1.6, "{}: {}", length, error);
+                }
+            }
+        }
     }
 
     #[test]
