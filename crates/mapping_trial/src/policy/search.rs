@@ -138,9 +138,12 @@ impl GridPlanner {
     }
 
     /// Writes the path to a node that the last search visited into `points`, from the start of the
-    /// search.
+    /// search. There are no points for other nodes, or before the first search.
     pub fn path_to(&self, costmap: &Costmap, to: Node, points: &mut Vec<DVec2>) {
         points.clear();
+        if self.cost(to).is_none() {
+            return;
+        }
         let mut node = to;
         loop {
             points.push(costmap.point(node));

@@ -296,6 +296,35 @@ fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
 }
 
 #[test]
+fn there_is_no_path_to_what_was_not_searched() {
+    let mut map = OccupancyMap::new();
+    // Two rooms.
+    for row in -60..60 {
+        for col in -60..60 {
+            map.add(CellIndex { col, row }, if col == 0 { 200 } else { -200 });
+        }
+    }
+    map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(3.0)));
+    let mut costmap = Costmap::new(&Robot::default());
+    costmap.refresh(&map);
+    let (left, right) = (DVec2::new(-1.5, 0.0), DVec2::new(1.5, 0.0));
+    let [left_node, right_node] = [left, right].map(|p| costmap.node_at(p).expect("on the map"));
+    let (mut search, mut points) = (GridPlanner::new(), vec![left]);
+    search.path_to(&costmap, right_node, &mut points);
+    assert_eq!((points.len(), search.cost(right_node)), (0, None));
+    let mut length = |search: &GridPlanner, node| {
+        search.path_to(&costmap, node, &mut points);
+        points.len()
+    };
+    let mut other = costmap.clone();
+    search.nearest(&mut other, left, &[], |_, _| false);
+    assert_eq!((length(&search, left_node), length(&search, right_node)), (1, 0));
+    // Nor to what an earlier search visited.
+    search.nearest(&mut other, right, &[], |_, _| false);
+    assert_eq!((length(&search, left_node), length(&search, right_node)), (0, 1));
+}
+
+#[test]
 fn searches_of_large_robots_in_occupied_cells_are_in_order() {
     let mut map = OccupancyMap::new();
     for row in -120..120 {
