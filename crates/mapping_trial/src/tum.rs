@@ -118,15 +118,19 @@ fn timed_pose(line: usize, text: &str) -> Result<TimedPose, TumError> {
         return Err(TumError::Number { line, value });
     }
     let [time, x, y, _, qx, qy, qz, qw] = numbers[..] else { return Err(not_a_pose()) };
-    if [qx, qy, qz, qw] == [0.0; 4] {
+    let quaternion = [qx, qy, qz, qw];
+    let largest = quaternion.iter().fold(0.0, |largest: f64, part| largest.max(part.abs()));
+    if largest == 0.0 {
         return Err(TumError::Quaternion { line });
     }
+    // Products of tiny numbers would be 0. Powers of 2 change no digit.
+    let [qx, qy, qz, qw] = quaternion.map(|part| libm::scalbn(part, -libm::ilogb(largest)));
     // The turn about z of any rotation, also if the length of the quaternion is not exactly 1.
     let heading = libm::atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz);
     Ok(TimedPose { time, pose: Pose { position: DVec2::new(x, y), heading } })
 }
 
-/// Writes a trajectory. The numbers are as exact as the poses.
+/// Writes a trajectory. The numbers are as exact as the poses and their times.
 ///
 /// ```
 /// use envgen::geometry::Pose;
@@ -137,7 +141,7 @@ fn timed_pose(line: usize, text: &str) -> Result<TimedPose, TumError> {
 /// let mut text = Vec::new();
 /// tum::write(poses, &mut text)?;
 /// let text = String::from_utf8(text)?;
-/// assert_eq!(text.lines().nth(1), Some("0.500000000 1 2 0 0 0 0 1"));
+/// assert_eq!(text.lines().nth(1), Some("0.5 1 2 0 0 0 0 1"));
 /// assert_eq!(tum::read(&text)?, poses);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -148,7 +152,7 @@ fn timed_pose(line: usize, text: &str) -> Result<TimedPose, TumError> {
 pub fn write(poses: impl IntoIterator<Item = TimedPose>, out: &mut dyn Write) -> io::Result<()> {
     for TimedPose { time, pose: Pose { position, heading } } in poses {
         let (sin, cos) = libm::sincos(0.5 * heading);
-        writeln!(out, "{time:.9} {} {} 0 0 0 {sin} {cos}", position.x, position.y)?;
+        writeln!(out, "{time} {} {} 0 0 0 {sin} {cos}", position.x, position.y)?;
     }
     Ok(())
 }
@@ -219,16 +223,47 @@ mod tests {
         assert!((heading - std::f64::consts::FRAC_PI_2).abs() < 1e-12, "{heading}");
     }
 
+    #[test]
+    fn times_of_less_than_a_nanosecond_stay_apart() {
+        let poses = [0.0, 1e-10, 2e-10].map(|time| TimedPose { time, pose: Pose::default() });
+        let mut text = Vec::new();
+        write(poses, &mut text).unwrap();
+        assert_eq!(read(std::str::from_utf8(&text).unwrap()).unwrap(), poses);
+    }
+
     proptest! {
         #[test]
-        fn what_was_written_is_read(poses in proptest::collection::vec(pose(), 1..20)) {
-            let timed = poses.iter().enumerate().map(|(i, &pose)| TimedPose { time: 0.05 * i as f64, pose });
+        fn the_length_of_a_quaternion_does_not_matter(
+            heading in -3.1..3.1_f64, exponent in -300..10_i32, tilt in -0.5..0.5_f64,
+        ) {
+            let (s, c) = libm::sincos(0.5 * heading);
+            let (tilted, upright) = libm::sincos(0.5 * tilt);
+            let whole = [-s * tilted, c * tilted, s * upright, c * upright];
+            let [short, whole] = [libm::pow(10.0, f64::from(exponent)), 1.0].map(|length| {
+                let [qx, qy, qz, qw] = whole.map(|part| length * part);
+                let text = format!("0 0 0 0 {qx:e} {qy:e} {qz:e} {qw:e}");
+                read(&text).map(|poses| poses[0].pose.heading)
+            });
+            prop_assert!((whole.clone()? - heading).abs() < 1e-12);
+            prop_assert!((short? - whole?).abs() < 1e-12);
+        }
+
+        #[test]
+        fn what_was_written_is_read(
+            poses in proptest::collection::vec(pose(), 1..20),
+            // Times since the start, and Unix times in steps that they resolve.
+            (first, step) in prop_oneof![
+                (Just(0.0), prop_oneof![Just(0.05), 1e-12..1.0_f64]),
+                (1e9..2e9_f64, 1e-6..1.0_f64),
+            ],
+        ) {
+            let timed = poses.iter().enumerate().map(|(i, &pose)| TimedPose { time: first + step * i as f64, pose });
             let mut text = Vec::new();
             write(timed.clone(), &mut text).unwrap();
             let found = read(std::str::from_utf8(&text).unwrap()).unwrap();
             prop_assert_eq!(found.len(), poses.len());
             for (found, expected) in found.iter().zip(timed) {
-                prop_assert!((found.time - expected.time).abs() < 1e-9);
+                prop_assert_eq!(found.time, expected.time);
                 prop_assert_eq!(found.pose.position, expected.pose.position);
                 prop_assert!((found.pose.heading - expected.pose.heading).abs() < 1e-14);
             }
