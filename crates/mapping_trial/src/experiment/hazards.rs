@@ -98,7 +98,11 @@ impl Hazard {
     }
 }
 
-/// Returns the survey of a design's maps and policies, without hazards and with each of them.
+/// Returns the survey of a design's levels and policies, without hazards and with each of them.
+///
+/// The worlds are as many as those of the design and have the same specs, but seeds of their own: those
+/// of the first level begin with 1000, those of the next one with 2000, plus a million times the
+/// design's seed. These are not those of [`Design::world_seed`].
 ///
 /// # Errors
 ///
@@ -135,7 +139,7 @@ pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> 
         name: format!("level {level}"),
         spec: design.spec(level).into(),
         maps: design.maps,
-        // Other seeds for each seed of a design, as in the experiment of the design.
+        // Other seeds for each seed of a design, as in its experiment, but not the same seeds.
         first_seed: Seed(design.seed.0.wrapping_mul(1_000_000)).offset(1000 * (i as u64 + 1)),
     });
     let (families, noise_seeds) = (families.collect(), design.noise_seeds);
@@ -237,6 +241,7 @@ fn cost(hazard: &Hazard, worlds: &[Vec<(&Scores, &Scores)>]) -> Option<HazardCos
 
 #[cfg(test)]
 mod tests {
+    use envgen::WorldSpec;
     use envgen::scenario::FailedBeams;
 
     use super::*;
@@ -314,6 +319,22 @@ mod tests {
             assert_eq!((&settings.laser, &settings.odometry), (&design.laser, &design.odometry));
             assert_eq!(settings.time_limit, design.time_limit);
             assert_eq!(settings.time_per_area, design.time_per_area);
+        }
+    }
+
+    #[test]
+    fn worlds_have_seeds_of_their_own() {
+        let one = Design { seed: Seed(3), ..design() };
+        for (design, offset) in [(design(), 0), (one, 3_000_000)] {
+            let survey = survey(&design, &[]).expect("a survey");
+            let seeds: Vec<u64> = survey.maps().map(|map| map.seed.0 - offset).collect();
+            assert_eq!(seeds, [1000, 1001, 2000, 2001]);
+            let specs = design.levels.iter().flat_map(|&level| [level, level]);
+            let specs: Vec<WorldSpec> = specs.map(|level| design.spec(level).into()).collect();
+            assert!(survey.maps().map(|map| &map.family.spec).eq(&specs));
+            let trials = design.trials();
+            let of_design = trials.iter().map(|trial| design.world_seed(trial).0 - offset);
+            assert!(of_design.min().is_some_and(|least| least == 10_000));
         }
     }
 

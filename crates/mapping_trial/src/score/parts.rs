@@ -148,6 +148,28 @@ mod tests {
     }
 
     #[test]
+    fn short_paths_and_empty_maps_count_as_the_documentation_says() {
+        let map = OccupancyMap::new();
+        let driven = |distance| {
+            let run = RunSummary { distance, collisions: 1, turning: 30.0, ..run(&map) };
+            let found = parts(&run, &PERFECT);
+            (found.e_hit, found.e_turn)
+        };
+        assert_eq!(driven(0.0), driven(20.0));
+        assert!(driven(20.0).0 > driven(20.1).0 && driven(20.0).1 > driven(20.1).1);
+        // Of 100 m^2 at least 1 m^2 counts as covered.
+        let run = RunSummary { time: 50.0, ..run(&map) };
+        let time = |coverage: f64| parts(&run, &Quality { coverage, ..PERFECT }).e_time;
+        let t = |coverage: f64| {
+            (50.0 + (1.0 - coverage) * run.time_limit) / (100.0 * coverage.max(0.01)) - 0.125
+        };
+        for coverage in [0.0, 0.005, 0.01, 0.02] {
+            let expected = t(coverage) / (t(coverage) + 1.5);
+            assert!((time(coverage) - expected).abs() < 1e-12, "{coverage}");
+        }
+    }
+
+    #[test]
     fn every_part_is_half_at_its_half_value() {
         let map = OccupancyMap::new();
         let time = 100.0 * (HALF_TIME + 0.125);

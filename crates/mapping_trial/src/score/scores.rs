@@ -56,11 +56,14 @@ pub struct Scores {
     pub e_cov: f64,
     /// Time: t / (t + 1.5 s/m^2), where `t = (T + (1 - C) T_lim) / (C |F|) - 1 / (2 * 8 m * v)`, at
     /// least 0, with v 5/7 of the greatest speed. This is the time per mapped area, beyond what a robot
-    /// without errors needs in an open hall. Leaving ground unmapped never helps.
+    /// without errors needs in an open hall. In the divisor C counts as at least 0.01. Leaving ground
+    /// unmapped never helps.
     pub e_time: f64,
-    /// Collisions: 1 - exp(-h / 5), where h is (collisions + 3 stuck) per 100 m driven.
+    /// Collisions: 1 - exp(-h / 5), where h is (collisions + 3 stuck) per 100 m driven. The distance
+    /// counts as at least 20 m.
     pub e_hit: f64,
-    /// Turning: r / (r + 1 rad/m), where r is the turning per metre beyond one look around.
+    /// Turning: r / (r + 1 rad/m), where r is the turning per metre beyond one look around of each
+    /// robot. The distance counts as at least 20 m.
     pub e_turn: f64,
     /// C: fraction of F that the map shows as free.
     pub coverage: f64,
