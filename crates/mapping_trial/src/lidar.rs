@@ -192,6 +192,44 @@ mod tests {
         }
     }
 
+    proptest! {
+        #[test]
+        fn faults_of_a_beam_sum_to_one_at_most(
+            dropout in 0.0..=1.0_f64, short in 0.0..=1.0_f64, mixed_pixel in 0.0..=1.0_f64,
+            part in 0.0..=1.0_f64,
+        ) {
+            let profile = LaserProfile { dropout, short, mixed_pixel, ..LaserProfile::LMS200_MM };
+            let sum = dropout + short + mixed_pixel;
+            prop_assert_eq!(profile.validate().is_ok(), sum <= 1.0 + 1e-9);
+            prop_assert_eq!(profile.fan().is_ok(), sum <= 1.0 + 1e-9);
+            // Parts of a whole are allowed whatever their rounding.
+            let (dropout, rest) = (part * dropout, 1.0 - part * dropout);
+            let whole = LaserProfile { dropout, short: rest * short, mixed_pixel: rest * (1.0 - short), ..profile };
+            prop_assert_eq!(whole.validate(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn faults_that_sum_to_one_are_as_frequent_as_stated() {
+        let (dropout, short, mixed_pixel) = (0.25, 0.25, 0.5);
+        let profile =
+            LaserProfile { dropout, short, mixed_pixel, sigma: 0.0, ..LaserProfile::LMS200_MM };
+        let mut laser = Laser::new(profile, Seed(4), 0);
+        let n = 4000;
+        let (mut lost, mut early, mut mixed) = (0.0, 0.0, 0.0);
+        for _ in 0..n {
+            let range = laser.measure(&[2.0, 6.0]).ranges[0];
+            lost += f64::from(range.is_nan());
+            early += f64::from(range < 2.0);
+            mixed += f64::from(range > 2.0);
+        }
+        // Binomial counts within four standard deviations.
+        let near =
+            |count: f64, p: f64| (count - f64::from(n) * p).abs() < 4.0 * (f64::from(n) * p).sqrt();
+        assert!(near(lost, dropout) && near(early, short), "{lost} lost, {early} early");
+        assert!(near(mixed, mixed_pixel), "{mixed} mixed");
+    }
+
     #[test]
     fn draws_of_a_beam_depend_on_nothing_else() {
         let mut alone = Laser::new(LaserProfile::LMS200_MM_ROUGH, Seed(4), 0);

@@ -13,6 +13,9 @@ const SICK_RANGE: f64 = 30.0;
 /// The range that lasers would have without smoke is at least this many times what they report.
 const RESERVE: f64 = 1.1;
 
+/// Tolerance of the sum of probabilities, since decimal numbers are rounded.
+const ROUNDING: f64 = 1e-9;
+
 settings! {
     /// The beams, the range and the errors of a laser.
     ///
@@ -117,9 +120,39 @@ impl LaserProfile {
     ///
     /// # Errors
     ///
-    /// Names the first field whose value is not allowed, such as `laser.beams`.
+    /// Names the first field whose value is not allowed, such as `laser.beams`. The probabilities
+    /// `dropout`, `short` and `mixed_pixel` must sum to at most 1, since a beam has one fault at most.
+    ///
+    /// ```
+    /// use mapping_trial::lidar::LaserProfile;
+    ///
+    /// let laser = LaserProfile { dropout: 0.5, short: 0.5, ..LaserProfile::LMS200_MM };
+    /// assert_eq!(laser.validate(), Ok(()));
+    /// let error = LaserProfile { mixed_pixel: 0.25, ..laser }.validate().unwrap_err().to_string();
+    /// let expected = "`laser.mixed_pixel` must be so small that `dropout`, `short` and `mixed_pixel` \
+    ///                 sum to at most 1, got 0.25";
+    /// assert!(error.starts_with(expected), "{error}");
+    /// ```
     pub fn validate(&self) -> Result<(), SpecError> {
-        self.check_fields().map_err(|error| error.within("laser"))
+        self.check_fields()
+            .and_then(|()| self.check_faults())
+            .map_err(|error| error.within("laser"))
+    }
+
+    /// Checks that no beam would have two faults, which one random number decides on.
+    fn check_faults(&self) -> Result<(), SpecError> {
+        let LaserProfile { dropout, short, mixed_pixel, .. } = *self;
+        let sum = dropout + short + mixed_pixel;
+        if sum <= 1.0 + ROUNDING {
+            return Ok(());
+        }
+        let (field, value) =
+            if mixed_pixel > 0.0 { ("mixed_pixel", mixed_pixel) } else { ("short", short) };
+        let allowed = format!(
+            "so small that `dropout`, `short` and `mixed_pixel` sum to at most 1: a beam has one \
+             fault at most, and they sum to {sum}"
+        );
+        Err(SpecError::new(field, value, allowed))
     }
 
     /// Returns the angle of a beam relative to the laser's heading, in radians. Beams are counted from

@@ -78,6 +78,7 @@ impl TrialSettings {
     /// Names the first field whose value is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check_fields()?;
+        self.laser.validate()?;
         if let Some(start) = self.start {
             number("start.x", start.position.x, -MAX_COORDINATE, MAX_COORDINATE)?;
             number("start.y", start.position.y, -MAX_COORDINATE, MAX_COORDINATE)?;
@@ -142,6 +143,12 @@ mod tests {
         assert!(error(&|s| s.body.water_sight = f64::NAN).contains("body.water_sight"));
         assert!(error(&|s| s.laser.beams = 0).contains("laser.beams"));
         assert!(error(&|s| s.laser.dropout = 1.5).contains("laser.dropout"));
+        let text = error(&|s| (s.laser.dropout, s.laser.short) = (0.75, 0.5));
+        assert!(text.starts_with("`laser.short` must be so small that `dropout`, "), "{text}");
+        assert!(
+            text.ends_with("got 0.5: a beam has one fault at most, and they sum to 1.25"),
+            "{text}"
+        );
         assert!(error(&|s| s.odometry.k_tt = f64::NAN).contains("odometry.k_tt"));
     }
 }
