@@ -2,15 +2,29 @@
 
 use std::cmp::Ordering;
 
+use envgen::SpecError;
+use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::parts::Parts;
 
 /// The weights of the parts of scores. The default weights are those of [`Scores`](super::Scores).
 ///
-/// Only the ratios of the weights of M, of those of N, and of those of D matter.
+/// Only the ratios of the weights of M, of those of N, and of those of D matter. Where all are 0, the
+/// score is 0. Weights that are read must be [valid](Weights::validate).
+///
+/// ```
+/// use mapping_trial::score::Weights;
+///
+/// let weights: Weights = serde_json::from_str("{\"wall\": 0.5}")?;
+/// assert_eq!(weights, Weights { wall: 0.5, ..Default::default() });
+/// // It would turn the score around.
+/// let error = serde_json::from_str::<Weights>("{\"wall\": -1}").unwrap_err().to_string();
+/// assert!(error.starts_with("`wall` must be a number from 0 to 1e9, got -1"), "{error}");
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(remote = "Self", default, deny_unknown_fields)]
 pub struct Weights {
     /// Weight of `e_wall` in M.
     pub wall: f64,
@@ -33,6 +47,24 @@ pub struct Weights {
     pub mapping: f64,
     /// Weight of N in D.
     pub navigation: f64,
+}
+
+/// The greatest weight, far below what overflows.
+const MOST: f64 = 1e9;
+
+impl Serialize for Weights {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        // The derived function, which `remote` makes one of the type itself.
+        Weights::serialize(self, serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Weights {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let weights = Weights::deserialize(deserializer)?;
+        weights.validate().map_err(Error::custom)?;
+        Ok(weights)
+    }
 }
 
 impl Default for Weights {
@@ -68,6 +100,20 @@ impl Weights {
         mapping: 0.6,
         navigation: 0.4,
     };
+
+    /// Checks every weight, which must be a number from 0 to 1e9: a negative one would turn a score
+    /// around.
+    ///
+    /// # Errors
+    ///
+    /// Names the first weight that is not allowed, as files call it.
+    pub fn validate(&self) -> Result<(), SpecError> {
+        let mut copy = *self;
+        let wrong = copy.all().into_iter().find(|(_, weight)| !(0.0..=MOST).contains(&**weight));
+        wrong.map_or(Ok(()), |(name, weight)| {
+            Err(SpecError::new(name_in_files(name), *weight, "a number from 0 to 1e9"))
+        })
+    }
 
     /// Returns name and value of every weight.
     fn all(&mut self) -> [(&'static str, &mut f64); 10] {
@@ -164,9 +210,13 @@ pub struct Sensitivity {
     pub most_places: usize,
 }
 
-/// The former name, which readers of earlier summaries know.
 fn weight_in_files<S: Serializer>(weight: &str, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(if weight == "collisions" { "hits" } else { weight })
+    serializer.serialize_str(name_in_files(weight))
+}
+
+/// The former name, which readers of earlier summaries know.
+fn name_in_files(weight: &str) -> &str {
+    if weight == "collisions" { "hits" } else { weight }
 }
 
 /// Ranks trials by D, with each weight in turn multiplied by 0.5 and by 1.5, and compares this with the
@@ -326,6 +376,49 @@ mod tests {
         let changed = Weights::default().changed("pose", 0.5);
         assert_eq!(changed, Some(Weights { pose: 0.25, ..Weights::default() }));
         assert_eq!(Weights::default().changed("poses", 0.5), None);
+    }
+
+    proptest! {
+        #[test]
+        fn weights_that_are_read_keep_scores_in_their_range(
+            field in 0..10_usize, value in prop_oneof![-1.0..2.0_f64, any::<f64>(), Just(f64::NAN)],
+            all in any::<bool>(), e in prop::array::uniform7(0.0..=1.0_f64),
+        ) {
+            let mut weights = Weights::default();
+            let name = name_in_files(weights.all()[field].0);
+            if all {
+                weights.all().into_iter().for_each(|(_, weight)| *weight = value);
+            } else {
+                *weights.all()[field].1 = value;
+            }
+            let read = ron::from_str::<Weights>(&ron::to_string(&weights).expect("RON"));
+            if !(0.0..=MOST).contains(&value) {
+                let error = read.expect_err("not allowed").to_string();
+                let named = format!("`{}` must be a number from 0 to 1e9", if all { "wall" } else { name });
+                prop_assert!(error.contains(&named), "{}", error);
+                return Ok(());
+            }
+            prop_assert_eq!(read, Ok(weights));
+            let [e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn] = e;
+            let parts = Parts { e_wall, e_use, e_pose, e_cov, e_time, e_hit, e_turn };
+            let found = weights.difficulties(&parts);
+            for score in [found.mapping, found.navigation, found.overall] {
+                prop_assert!((0.0..=10.0 + 1e-9).contains(&score), "{}", score);
+            }
+        }
+    }
+
+    #[test]
+    fn weights_in_files_have_their_names() {
+        let text = serde_json::to_string(&Weights::default()).expect("JSON");
+        assert!(text.starts_with("{\"wall\":0.2,\"navigability\":0.2,"), "{text}");
+        assert!(text.contains("\"hits\":0.15,\"turning\":0.35"), "{text}");
+        assert_eq!(serde_json::from_str::<Weights>(&text).expect("weights"), Weights::default());
+        let read = |text: &str| serde_json::from_str::<Weights>(text);
+        assert_eq!(read("{\"collisions\":2}").expect("weights").collisions, 2.0);
+        assert!(read("{\"walls\":2}").is_err());
+        let error = read("{\"hits\":-0.5}").expect_err("negative").to_string();
+        assert!(error.starts_with("`hits` must be a number from 0 to 1e9, got -0.5"), "{error}");
     }
 
     fn parts(e_wall: f64, e_time: f64) -> Parts {
