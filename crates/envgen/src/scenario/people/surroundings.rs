@@ -191,8 +191,8 @@ mod tests {
     fn who_is_behind_a_closed_door_is_not_avoided() {
         let (near, far) = (V(4.4, 2.0), V(7.0, 3.5));
         assert_eq!(walk(near, true), walk(far, true));
-        let last = walk(far, true).last().copied();
-        assert!(last.is_some_and(|last| last.distance(V(3.6, 2.0)) < 1e-9), "{last:?}");
+        let arrives = |p: &DVec2| p.distance(V(3.6, 2.0)) < 1e-9;
+        assert!(walk(far, true).iter().any(arrives));
         assert_ne!(walk(near, false), walk(far, false));
     }
 }
