@@ -187,7 +187,11 @@ impl Arguments {
 
     /// Returns what moves in the world; `None` if nothing does.
     #[expect(clippy::print_stderr, reason = "a note for the person at the terminal")]
-    pub(crate) fn scenario(&self, world: &World) -> Result<Option<Scenario>, Box<dyn Error>> {
+    pub(crate) fn scenario(
+        &self,
+        world: &World,
+        start: Option<Pose>,
+    ) -> Result<Option<Scenario>, Box<dyn Error>> {
         if let Some(path) = &self.scenario {
             let text = std::fs::read_to_string(path).in_file(path)?;
             let scenario = Scenario::from_ron(&text).in_file(path)?;
@@ -201,7 +205,9 @@ impl Arguments {
             }
             return Ok(None);
         }
-        Ok(Some(Scenario::new(world, &spec, self.scenario_seed.unwrap_or(self.seed))?))
+        // People keep off the place where the robots start.
+        let at = World { start: start.or(world.start), ..world.clone() };
+        Ok(Some(Scenario::new(&at, &spec, self.scenario_seed.unwrap_or(self.seed))?))
     }
 
     /// Returns the files that are read.

@@ -3,9 +3,8 @@
 use std::error::Error;
 use std::time::Duration;
 
-use envgen::World;
 use mapping_trial::driver::{Driver, Hello, Limits, command};
-use mapping_trial::trial::{Trial, TrialSettings};
+use mapping_trial::trial::Setup;
 
 use crate::arguments::Arguments;
 
@@ -21,19 +20,13 @@ impl Arguments {
 
     /// Starts the driver from the arguments, and waits for its hello. If the hello fails, the trial
     /// fails.
-    pub(crate) fn start_driver(
-        &self,
-        world: &World,
-        settings: &TrialSettings,
-    ) -> Result<Option<Driver>, Box<dyn Error>> {
+    pub(crate) fn start_driver(&self, setup: &Setup<'_>) -> Result<Option<Driver>, Box<dyn Error>> {
         let Some(program) = &self.driver else { return Ok(None) };
         let limits = Limits {
             reply: seconds("--driver-timeout", self.driver_timeout)?,
             total: seconds("--driver-total", self.driver_total)?,
         };
-        // The settings are checked before anything is started.
-        let mut builder = Trial::builder(world, settings.clone());
-        let hello = Hello::new(&builder.setup()?);
+        let hello = Hello::new(setup);
         let driver = if self.is_driven_by_caller() {
             if self.form {
                 return Err(

@@ -98,15 +98,19 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let preparing = spinner("preparing");
         let world = arguments.world()?;
         let settings = arguments.settings(&world)?;
-        let scenario = arguments.scenario(&world)?;
+        let scenario = arguments.scenario(&world, settings.start)?;
         let mut builder = Trial::builder(&world, settings);
+        if let Some(scenario) = &scenario {
+            // Robots start beside people.
+            builder = builder.scenario(scenario.clone());
+        }
         let setup = builder.setup()?;
         // A trial that cannot be scored is not run.
         let start = setup.starts[0].position;
         let truth = Reference::from_start(&world, &setup.settings.body, start)?;
         // The settings have the time limit in effect, which may depend on the area.
         let settings = setup.settings.clone();
-        let driver = arguments.start_driver(&world, &settings)?;
+        let driver = arguments.start_driver(&setup)?;
         let parts = driver.as_ref().map_or_else(TrialParts::default, Driver::parts);
         let parts = watched(bag.as_ref(), parts);
         preparing.finish_and_clear();

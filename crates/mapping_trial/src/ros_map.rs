@@ -14,6 +14,9 @@ const AS_FINE: f64 = 1.0 - 1e-6;
 /// The greatest length in metres of a side of a map. Cells farther out would be lost.
 const MAX_LENGTH: f64 = MAX_TILES as f64 * TILE as f64 * RESOLUTION;
 
+/// The greatest coordinate in metres, up to which indices of cells are exact.
+const MAX_DISTANCE: f64 = 1e8;
+
 /// An error for which a ROS map cannot be converted.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -29,6 +32,14 @@ pub enum RosMapError {
         /// Its length in metres.
         length: f64,
         /// The greatest length in metres that is allowed.
+        most: f64,
+    },
+    /// The map would be too far from the origin.
+    #[error("the map must be within {most:e} m of the origin, got {distance:e} m")]
+    Far {
+        /// The greatest coordinate in metres.
+        distance: f64,
+        /// The greatest coordinate in metres that is allowed.
         most: f64,
     },
 }
@@ -114,8 +125,8 @@ impl OccupancyMap {
     ///
     /// # Errors
     ///
-    /// If the map would have more than [`MAX_CELLS`] cells, or if a side would be longer than maps can
-    /// be, which is 6553.6 m.
+    /// If the map would have more than [`MAX_CELLS`] cells, if a side would be longer than maps can be,
+    /// which is 6553.6 m, or if the map would be more than 100,000 km from the origin.
     pub fn from_ros_map(map: &RosMap, frame: Pose) -> Result<Self, RosMapError> {
         let place = frame.compose(map.origin);
         let size = DVec2::new(map.cols as f64, map.rows() as f64) * map.resolution;
@@ -183,6 +194,10 @@ impl OccupancyMap {
 /// Checks that tiles can hold all cells of an area. Middles of cells have at least a distance of `inset`
 /// metres from its sides.
 fn check_sides(area: Rect, inset: f64) -> Result<(), RosMapError> {
+    let distance = area.min.abs().max(area.max.abs()).max_element();
+    if distance.is_nan() || distance > MAX_DISTANCE {
+        return Err(RosMapError::Far { distance, most: MAX_DISTANCE });
+    }
     let [low, high] = [area.min + inset, area.max - inset].map(CellIndex::of);
     let tiles = |low: i32, high: i32| {
         i64::from(high.div_euclid(TILE)) - i64::from(low.div_euclid(TILE)) + 1
@@ -330,6 +345,16 @@ mod tests {
     fn line(cells: usize, resolution: f64, is_column: bool) -> RosMap {
         let cols = if is_column { 1 } else { cells };
         RosMap { cols, resolution, origin: Pose::default(), cells: vec![RosCell::Free; cells] }
+    }
+
+    #[test]
+    fn maps_that_are_too_far_away_are_refused() {
+        let map = line(100, 0.05, false);
+        for (x, is_near) in [(9e7, true), (2e8, false), (-2e8, false), (1e30, false)] {
+            let found = OccupancyMap::from_ros_map(&map, Pose::new(x, 0.0, 0.0));
+            let is_far = matches!(found, Err(RosMapError::Far { .. }));
+            assert_eq!((found.is_ok(), is_far), (is_near, !is_near), "{x}");
+        }
     }
 
     #[test]

@@ -92,7 +92,8 @@ pub enum DoorKinds {
 pub enum DoorControl {
     /// The door opens and closes at random, with exponentially distributed open and closed times.
     Timed,
-    /// A robot, or a walking person, opens the door within 2 m of it.
+    /// A robot, or a walking person, opens the door within 2 m of it, or 0.55 m beyond the reach of wide leaves that
+    /// swing.
     Triggered,
     /// Only [`ScenarioState::command_door`](super::ScenarioState::command_door) opens and closes the door, which is
     /// open at first.

@@ -87,7 +87,7 @@ impl Walk {
         scenario.check_people(&space, shapes)?;
         let people = scenario.people.len();
         let most = (2 * people + 16).min(MAX_PLACES);
-        let places = find_places(&space, world, shapes, scenario.seed, (most, most));
+        let places = find_places(&space, world, shapes, scenario.seed, (most, most), None);
         let numbers: Vec<u32> = (0..shapes.len() as u32).collect();
         let zones = |margin: f64| {
             CellBuckets::build(&space.frame, &numbers, None, |&i, frame, visit| {

@@ -1,7 +1,8 @@
 //! What robots do to people and doors, and what they leave as it is.
 
-use envgen::geometry::{Rect, Shape};
+use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
+use envgen::placement::pose_of_most_clearance;
 use envgen::scenario::{Robot, Scenario, ScenarioSpec, ScenarioState};
 use envgen::world::{Doorway, Wall, WallKind};
 use envgen::{Provenance, Seed, World};
@@ -15,14 +16,30 @@ fn robot(x: f64, y: f64) -> Robot {
 #[test]
 fn people_begin_away_from_the_start() {
     let spec = ScenarioSpec { people: 16, ..Default::default() };
+    let nearest = |world: &World, spec: &ScenarioSpec, seed: u64, start: DVec2| {
+        let people = Scenario::new(world, spec, Seed(seed)).unwrap().people;
+        let distances = people.iter().map(|person| person.position.distance(start));
+        distances.fold(f64::INFINITY, f64::min)
+    };
     for seed in 0..60 {
-        let world = indoor(seed, 6);
+        let mut world = indoor(seed, 6);
         let start = world.start.unwrap().position;
-        for person in Scenario::new(&world, &spec, Seed(seed)).unwrap().people {
-            let distance = person.position.distance(start);
-            assert!(distance >= 1.25, "seed {seed}: {distance} m");
-        }
+        let distance = nearest(&world, &spec, seed, start);
+        assert!(distance >= 2.25, "seed {seed}: {distance} m");
+        // Where the robots of the examples start.
+        world.start = None;
+        let start = pose_of_most_clearance(&world).unwrap().unwrap().position;
+        let distance = nearest(&world, &spec, seed, start);
+        assert!(distance >= 2.25, "seed {seed}: {distance} m");
     }
+    // People are closer together before anyone is near the start, and there only where nothing else is free.
+    let (mut room, _) = room_with_a_person("regular");
+    let start = DVec2::new(4.0, 3.0);
+    room.start = Some(Pose { position: start, heading: 0.0 });
+    let crowd = |people| ScenarioSpec { people, ..Default::default() };
+    let distance = nearest(&room, &crowd(40), 1, start);
+    assert!(distance >= 2.25, "{distance} m");
+    assert!(nearest(&room, &crowd(70), 1, start) < 2.25);
 }
 
 #[test]

@@ -7,7 +7,8 @@ use thiserror::Error;
 
 use super::ridge;
 
-/// Version of the calibrations that this crate fits. It rises when inputs, models or atlases change.
+/// Version of the calibrations that this crate fits. It rises when inputs, coefficients or atlases
+/// change.
 const CALIBRATION_VERSION: u32 = 2;
 
 /// Least standard deviation of an input in the atlas. Inputs that vary less are left out.
@@ -78,7 +79,7 @@ pub fn calibrate(
         (*name, samples.iter().map(|sample| Some(sample.terms[i].1)).collect())
     });
     let dials: Vec<Dials<f64>> = samples.iter().map(|sample| sample.dials).collect();
-    let atlas = Atlas { dials: sorted(&dials), ..atlas };
+    let atlas = Atlas { worlds: samples.len() as u32, dials: sorted(&dials), ..atlas };
     Ok(Calibration {
         version: CALIBRATION_VERSION,
         kind: kind.name().to_owned(),
@@ -172,7 +173,8 @@ fn standard_errors(predicted: &[f64], values: &[f64]) -> [f64; 2] {
     let [zero, ten] = [0.0, 10.0].map(|at| y + slope * (at - x));
     // Where the line is too low at one end, that end is fixed and the other is the best for it.
     let pinned = |share: &dyn Fn(f64) -> f64| {
-        let parts = predicted.iter().zip(&errors).map(|(p, e)| (share(*p), *e));
+        // Beyond 0 and 10 they are those of the ends.
+        let parts = predicted.iter().zip(&errors).map(|(p, e)| (share(p.clamp(0.0, 10.0)), *e));
         let (squares, products) = parts.fold((0.0, 0.0), |(squares, products), (share, error)| {
             let rest = error - LEAST_ERROR * (1.0 - share);
             (squares + share * share, products + share * rest)

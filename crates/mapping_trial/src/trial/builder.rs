@@ -227,7 +227,8 @@ impl<'w> TrialBuilder<'w> {
     pub fn build_flat(self) -> Result<Trial<FlatSimulator>, TrialError> {
         self.settings.validate()?;
         let flat = Arc::new(FlatWorld::new(self.world, &self.settings.body)?);
-        self.place_flat(flat)
+        let digest = flat.digest();
+        self.place_flat(flat, digest)
     }
 
     /// Builds a trial in a world that is already indexed, for many trials in one world.
@@ -239,12 +240,21 @@ impl<'w> TrialBuilder<'w> {
     pub fn build_flat_in(self, flat: Arc<FlatWorld>) -> Result<Trial<FlatSimulator>, TrialError> {
         self.settings.validate()?;
         flat.check_robot(&self.settings.body)?;
-        self.place_flat(flat)
+        let (digest, indexed) = (self.world.digest(), flat.digest());
+        if indexed != digest {
+            let (expected, found) = (digest.to_string(), indexed.to_string());
+            return Err(TrialError::OtherFlatWorld { expected, found });
+        }
+        self.place_flat(flat, digest)
     }
 
-    /// Builds a trial in a world that is indexed for its robot.
-    fn place_flat(self, flat: Arc<FlatWorld>) -> Result<Trial<FlatSimulator>, TrialError> {
-        self.build_in(Some(flat.digest()), |setup, sensors| {
+    /// Builds a trial in the world with a digest, which is indexed for its robot.
+    fn place_flat(
+        self,
+        flat: Arc<FlatWorld>,
+        digest: Digest,
+    ) -> Result<Trial<FlatSimulator>, TrialError> {
+        self.build_in(digest, |setup, sensors| {
             let TrialSettings { body, laser, .. } = setup.settings;
             let robots = FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors);
             match setup.scenario {
@@ -264,22 +274,18 @@ impl<'w> TrialBuilder<'w> {
         self,
         place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
     ) -> Result<Trial<B>, TrialError> {
-        self.build_in(None, place)
+        let digest = self.world.digest();
+        self.build_in(digest, place)
     }
 
-    /// Builds a trial with a custom robot backend in the world of a digest, if one is given.
+    /// Builds a trial with a custom robot backend in the world with a digest, which takes long to compute in
+    /// large worlds.
     fn build_in<B: RobotBackend>(
         mut self,
-        indexed: Option<Digest>,
+        digest: Digest,
         place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
     ) -> Result<Trial<B>, TrialError> {
         self.setup()?;
-        // It takes long in large worlds, thus once for the check and for the log.
-        let digest = self.world.digest();
-        if let Some(indexed) = indexed.filter(|indexed| *indexed != digest) {
-            let (expected, found) = (digest.to_string(), indexed.to_string());
-            return Err(TrialError::OtherFlatWorld { expected, found });
-        }
         let TrialBuilder { world, parts, settings, starts, source, scenario, .. } = &mut self;
         let mut moving = None;
         if let Some(scenario) = scenario.take() {

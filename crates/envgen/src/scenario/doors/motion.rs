@@ -20,8 +20,8 @@ const SLAMMING: f64 = 0.15;
 const HOLD: f64 = 2.0;
 const HOLD_TICKS: u64 = (HOLD * TICKS_PER_SECOND as f64) as u64;
 
-/// The distance in metres from the middle of a triggered door within which a robot or a person opens it. It is this
-/// much more than the reach of the leaves where that is farther: people wait outside of the swing.
+/// The distance in metres from the middle of a triggered door within which a robot or a person opens it. For leaves
+/// that swing it is this much more than their reach where that is farther: people wait outside of the swing.
 const TRIGGER: f64 = 2.0;
 const BEYOND_LEAVES: f64 = PERSON_RADIUS + 0.3;
 
@@ -169,7 +169,8 @@ impl DoorState {
                 }
             }
             DoorControl::Triggered => {
-                let (middle, reach) = (shape.middle(), TRIGGER.max(shape.reach() + BEYOND_LEAVES));
+                let swing = if shape.swings() { shape.reach() + BEYOND_LEAVES } else { 0.0 };
+                let (middle, reach) = (shape.middle(), TRIGGER.max(swing));
                 let is_near = |p: DVec2| p.distance_squared(middle) < reach * reach;
                 let is_asked = bodies.robots.iter().any(|robot| is_near(robot.position))
                     || bodies.near.any(middle, reach, |i| {

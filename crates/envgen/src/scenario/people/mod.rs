@@ -25,6 +25,7 @@ pub(super) use surroundings::{Surroundings, ZONE};
 use crate::clearance_index::ClearanceIndex;
 use crate::distribution::standard_normal;
 use crate::error::SpecError;
+use crate::placement::pose_of_most_clearance;
 use crate::scenario::doors::DoorShape;
 use crate::scenario::person::{MAX_SPEED, PERSON_RADIUS, Person, Reaction};
 use crate::scenario::spec::{Reactions, ScenarioSpec};
@@ -44,7 +45,10 @@ pub(super) fn place_people(
     }
     let index = Arc::new(ClearanceIndex::new(world, REACH)?);
     let space = FreeSpace::new(world, doors, index);
-    let places = find_places(&space, world, doors, seed, (needed, needed));
+    // Without a start, robots of this project's programs start where there is most room.
+    let in_the_open = || pose_of_most_clearance(world).ok().flatten();
+    let start = world.start.or_else(in_the_open).map(|start| start.position);
+    let places = find_places(&space, world, doors, seed, (needed, needed), start);
     if places.len() < needed {
         return Err(FreeSpace::too_many(needed, places.len()));
     }

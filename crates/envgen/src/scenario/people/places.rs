@@ -12,8 +12,9 @@ use crate::world::World;
 /// The least distance in metres of a person from a doorway's middle, beyond half its width.
 const OFF_DOORWAYS: f64 = 0.7;
 
-/// The distance in metres from the start of the world within which people are placed last: robots start there.
-const OFF_START: f64 = 1.25;
+/// The distance in metres from where robots start within which people begin only if there is no room elsewhere: the
+/// radii of the largest robot and of a person.
+const OFF_START: f64 = 2.0 + PERSON_RADIUS;
 
 /// The clearance in metres from which others can mostly pass beside a place.
 pub(super) const ROOMY: f64 = 0.4;
@@ -23,13 +24,14 @@ const SPACINGS: [f64; 2] = [1.2, 2.0 * PERSON_RADIUS + 0.1];
 
 /// Returns the centres of cells at which people can be, at most `most`, in random order and at a distance from each
 /// other. Every room is as likely as every other, and as the rest of the world. The first places are the same for
-/// every `most` for which they are enough.
+/// every `most` for which they are enough. Places near `start` are left out if there are enough others.
 pub(crate) fn find_places(
     space: &FreeSpace,
     world: &World,
     doors: &[DoorShape],
     seed: Seed,
     (needed, most): (usize, usize),
+    start: Option<DVec2>,
 ) -> Vec<DVec2> {
     let frame = space.frame;
     let usable = space.region(world.start.map(|start| start.position));
@@ -56,32 +58,50 @@ pub(crate) fn find_places(
     // Cells in the order of exponential waits at rates of one over the size of their room: a weighted
     // sample without replacement (Efraimidis and Spirakis, Information Processing Letters 97, 2006).
     let mut stream = seed.stream("scenario/people/places", 0);
-    let start = world.start.map(|start| start.position);
     let is_at_start = |cell: usize| {
         start.is_some_and(|p| frame.center_of(cell).distance_squared(p) < OFF_START * OFF_START)
     };
-    let mut order: Vec<(u8, f64, usize)> = candidates
+    let mut order: Vec<(Rank, f64, usize)> = candidates
         .into_iter()
         .map(|cell| {
             let wait = -libm::log1p(-stream.unit()) * f64::from(sizes[rooms[cell] as usize]);
-            let rank =
-                if is_at_start(cell) { 2 } else { u8::from(space.cell_clearance(cell) < ROOMY) };
+            let rank = match is_at_start(cell) {
+                true => Rank::AtStart,
+                false if space.cell_clearance(cell) < ROOMY => Rank::Narrow,
+                false => Rank::Roomy,
+            };
             (rank, wait, cell)
         })
         .collect();
     order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    let elsewhere = order.partition_point(|(rank, ..)| *rank < Rank::AtStart);
     let mut places = Vec::new();
-    for spacing in SPACINGS {
-        places = spread(space, &order, spacing, most);
-        if places.len() >= needed {
-            break;
+    for cells in [&order[..elsewhere], &order] {
+        for spacing in SPACINGS {
+            places = spread(space, cells, spacing, most);
+            if places.len() >= needed {
+                return places;
+            }
         }
     }
     places
 }
 
+/// Where a place is, the best first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    Roomy,
+    Narrow,
+    AtStart,
+}
+
 /// Returns the first cells that are at least `spacing` metres from those before them.
-fn spread(space: &FreeSpace, order: &[(u8, f64, usize)], spacing: f64, most: usize) -> Vec<DVec2> {
+fn spread(
+    space: &FreeSpace,
+    order: &[(Rank, f64, usize)],
+    spacing: f64,
+    most: usize,
+) -> Vec<DVec2> {
     let frame = space.frame;
     let mut taken = vec![false; frame.len()];
     let mut places = Vec::new();

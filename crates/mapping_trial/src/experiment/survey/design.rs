@@ -182,7 +182,7 @@ pub struct SurveyMap<'a> {
     /// Seed of the world.
     pub seed: Seed,
     /// Number of worlds of the same seed in earlier families. It is 0 where noise is shared, which does
-    /// not depend on it.
+    /// not depend on it. So a map is valid as long as its survey is unchanged.
     earlier: u64,
 }
 
