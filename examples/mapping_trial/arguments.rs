@@ -206,7 +206,8 @@ impl Arguments {
             return Ok(None);
         }
         // People keep off the place where the robots start.
-        let at = World { start: start.or(world.start), ..world.clone() };
+        let mut at = world.clone();
+        at.start = start.or(world.start);
         Ok(Some(Scenario::new(&at, &spec, self.scenario_seed.unwrap_or(self.seed))?))
     }
 

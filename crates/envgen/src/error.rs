@@ -9,7 +9,6 @@
 //!   value.
 //! - Pure geometry accepts every number: NaN gives NaN, or "no hit", "outside" and "infinitely far". Where such a
 //!   number has another meaning, the documentation says so.
-//!   Where such a number has another meaning, the documentation says so.
 
 use std::fmt;
 

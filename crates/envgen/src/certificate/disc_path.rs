@@ -9,7 +9,6 @@
 //! drawn as such a walk.) A union-find that stores, for every piece, the number of crossings on the walk to it from
 //! its set's root finds such a walk as soon as it receives the walk's last pair. This takes time nearly linear in
 //! the number of pairs.
-//! linear in the number of pairs.
 
 use glam::DVec2;
 
