@@ -2,7 +2,6 @@
 //!
 //! A likelihood field is flat on top: where a wall was seen a hundred times, the field's ridge is as
 //! wide as the echoes scatter, and a scan may slide within it. The mean of the echoes has no width.
-//! wide as the echoes scatter, and a scan may slide within it. The mean of the echoes has no width.
 
 use std::collections::BTreeMap;
 
