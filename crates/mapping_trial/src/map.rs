@@ -1,9 +1,11 @@
 //! The occupancy map that robots make: log odds on a grid that grows.
 
+mod error;
+
 use envgen::geometry::{Pose, Rect};
 use glam::{DVec2, IVec2};
 
-pub use crate::ros_map::RosMapError;
+pub use error::MapError;
 
 /// Side of a cell in metres.
 pub const RESOLUTION: f64 = 0.05;

@@ -4,9 +4,8 @@ use envgen::export::ros_map::{MAX_CELLS, RosCell, RosMap};
 use envgen::geometry::{Pose, Rect};
 use envgen::occupancy::OccupancyError;
 use glam::DVec2;
-use thiserror::Error;
 
-use crate::map::{CLAMP, CellIndex, DECIDED, MAX_TILES, OccupancyMap, RESOLUTION, TILE};
+use crate::map::{CLAMP, CellIndex, DECIDED, MAX_TILES, MapError, OccupancyMap, RESOLUTION, TILE};
 
 /// How much finer than [`RESOLUTION`] a map may be and still count as equal, since files round.
 const AS_FINE: f64 = 1.0 - 1e-6;
@@ -16,33 +15,6 @@ const MAX_LENGTH: f64 = MAX_TILES as f64 * TILE as f64 * RESOLUTION;
 
 /// The greatest coordinate in metres, up to which indices of cells are exact.
 const MAX_DISTANCE: f64 = 1e8;
-
-/// An error for which a ROS map cannot be converted.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum RosMapError {
-    /// The map would have too many cells.
-    #[error(transparent)]
-    Cells(#[from] OccupancyError),
-    /// The map would be too long in one direction.
-    #[error("the {side} of the map must be at most {most} m in whole tiles, got {length:.1} m")]
-    Side {
-        /// The side: `width` along x, or `height` along y.
-        side: &'static str,
-        /// Its length in metres.
-        length: f64,
-        /// The greatest length in metres that is allowed.
-        most: f64,
-    },
-    /// The map would be too far from the origin.
-    #[error("the map must be within {most:e} m of the origin, got {distance:e} m")]
-    Far {
-        /// The greatest coordinate in metres.
-        distance: f64,
-        /// The greatest coordinate in metres that is allowed.
-        most: f64,
-    },
-}
 
 impl OccupancyMap {
     /// Returns the smallest ROS map around all tiles that were ever written, or one unknown cell if
@@ -127,7 +99,7 @@ impl OccupancyMap {
     ///
     /// If the map would have more than [`MAX_CELLS`] cells, if a side would be longer than maps can be,
     /// which is 6553.6 m, or if the map would be more than 100,000 km from the origin.
-    pub fn from_ros_map(map: &RosMap, frame: Pose) -> Result<Self, RosMapError> {
+    pub fn from_ros_map(map: &RosMap, frame: Pose) -> Result<Self, MapError> {
         let place = frame.compose(map.origin);
         let size = DVec2::new(map.cols as f64, map.rows() as f64) * map.resolution;
         let corners =
@@ -193,10 +165,10 @@ impl OccupancyMap {
 
 /// Checks that tiles can hold all cells of an area. Middles of cells have at least a distance of `inset`
 /// metres from its sides.
-fn check_sides(area: Rect, inset: f64) -> Result<(), RosMapError> {
+fn check_sides(area: Rect, inset: f64) -> Result<(), MapError> {
     let distance = area.min.abs().max(area.max.abs()).max_element();
     if distance.is_nan() || distance > MAX_DISTANCE {
-        return Err(RosMapError::Far { distance, most: MAX_DISTANCE });
+        return Err(MapError::Far { distance, most: MAX_DISTANCE });
     }
     let [low, high] = [area.min + inset, area.max - inset].map(CellIndex::of);
     let tiles = |low: i32, high: i32| {
@@ -206,7 +178,7 @@ fn check_sides(area: Rect, inset: f64) -> Result<(), RosMapError> {
         [("width", low.col, high.col, area.size().x), ("height", low.row, high.row, area.size().y)];
     for (side, low, high, length) in sides {
         if tiles(low, high) > MAX_TILES {
-            return Err(RosMapError::Side { side, length, most: MAX_LENGTH });
+            return Err(MapError::Side { side, length, most: MAX_LENGTH });
         }
     }
     Ok(())
@@ -338,7 +310,7 @@ mod tests {
             cells: vec![RosCell::Free],
         };
         let error = OccupancyMap::from_ros_map(&map, Pose::default()).unwrap_err();
-        assert!(matches!(error, RosMapError::Cells(OccupancyError::Size { .. })), "{error}");
+        assert!(matches!(error, MapError::Cells(OccupancyError::Size { .. })), "{error}");
     }
 
     /// A free map of one row, or of one column.
@@ -352,7 +324,7 @@ mod tests {
         let map = line(100, 0.05, false);
         for (x, is_near) in [(9e7, true), (2e8, false), (-2e8, false), (1e30, false)] {
             let found = OccupancyMap::from_ros_map(&map, Pose::new(x, 0.0, 0.0));
-            let is_far = matches!(found, Err(RosMapError::Far { .. }));
+            let is_far = matches!(found, Err(MapError::Far { .. }));
             assert_eq!((found.is_ok(), is_far), (is_near, !is_near), "{x}");
         }
     }
@@ -363,7 +335,7 @@ mod tests {
             let map = line(20_000, 1.0, is_column);
             let error = OccupancyMap::from_ros_map(&map, Pose::default()).unwrap_err();
             let (length, most) = (20_000.0, 6553.6);
-            assert_eq!(error, RosMapError::Side { side, length, most });
+            assert_eq!(error, MapError::Side { side, length, most });
             let text = format!(
                 "the {side} of the map must be at most 6553.6 m in whole tiles, got 20000.0 m"
             );
@@ -409,7 +381,7 @@ mod tests {
                     }
                 }
                 Err(error) => {
-                    let is_side = matches!(error, RosMapError::Side { .. });
+                    let is_side = matches!(error, MapError::Side { .. });
                     // A tile on either side may be part of the map and of something else.
                     prop_assert!(is_side && length > 6553.6 - 2.0 * 1.6, "{}: {}", length, error);
                 }

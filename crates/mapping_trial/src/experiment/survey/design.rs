@@ -263,7 +263,7 @@ impl Survey {
         let all = self.families.iter().flat_map(|family| {
             (0..u64::from(family.maps)).map(move |n| (family, family.first_seed.offset(n)))
         });
-        // Counted on the way, since there may be as many families as worlds.
+        // Counted as the worlds are listed, since there may be as many families as worlds.
         let mut counts = (self.noise == SurveyNoise::Own).then(BTreeMap::<Seed, u64>::new);
         all.zip(0..).map(move |((family, seed), number)| {
             let earlier = counts.as_mut().map_or(0, |counts| {
