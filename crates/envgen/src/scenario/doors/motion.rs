@@ -288,6 +288,7 @@ mod tests {
             velocity: DVec2::ZERO,
             radius: 0.3,
         };
+        let mut most_opened = 0;
         for far_end in [false, true] {
             (scenario.doors[0].kind, scenario.doors[0].far_end) = (DoorKind::Sliding, far_end);
             let mut state = ScenarioState::new(&world, &scenario).unwrap();
@@ -301,11 +302,11 @@ mod tests {
                 opened += u32::from(state.doors()[0].openness > before);
             }
             let stopped = state.doors()[0].stopped;
-            assert!(
-                (5..60).contains(&stopped) && opened >= 20,
-                "{stopped} stops, {opened} ticks opening"
-            );
+            assert!((5..60).contains(&stopped), "{stopped} stops");
+            most_opened = opened.max(most_opened);
         }
+        // From one of the two ends the leaf comes a long distance before it meets the robot.
+        assert!(most_opened > 40, "{most_opened} ticks opening");
     }
 
     #[test]
