@@ -296,7 +296,7 @@ pub(super) fn command(
         if let Some(moving) = &mut moving
             && moving.is_paused()
         {
-            // What the trial's log and scores say is that everything moves in each of its ticks.
+            // The log and the scores of the trial need everything to move in each of its ticks.
             moving.set_paused(false);
         }
         let given = match ask {

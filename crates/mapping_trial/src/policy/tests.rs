@@ -277,8 +277,8 @@ fn a_door_of_the_smallest_kind_stays_open() {
     }
 }
 
-#[test]
-fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
+/// The costs of two rooms of 3 x 6 m, with a wall without a door between them.
+fn two_rooms() -> Costmap {
     let mut map = OccupancyMap::new();
     for row in -60..60 {
         for col in -60..60 {
@@ -288,6 +288,12 @@ fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
     map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(3.0)));
     let mut costmap = Costmap::new(&Robot::default());
     costmap.refresh(&map);
+    costmap
+}
+
+#[test]
+fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
+    let mut costmap = two_rooms();
     let mut search = GridPlanner::new();
     let start = DVec2::new(0.15, 0.0);
     assert_eq!(costmap.cell_cost_at(start), CellCost::Inflated);
@@ -297,16 +303,7 @@ fn a_robot_that_does_not_fit_gets_out_but_not_through_walls() {
 
 #[test]
 fn there_is_no_path_to_what_was_not_searched() {
-    let mut map = OccupancyMap::new();
-    // Two rooms.
-    for row in -60..60 {
-        for col in -60..60 {
-            map.add(CellIndex { col, row }, if col == 0 { 200 } else { -200 });
-        }
-    }
-    map.touch(Rect::new(DVec2::splat(-3.0), DVec2::splat(3.0)));
-    let mut costmap = Costmap::new(&Robot::default());
-    costmap.refresh(&map);
+    let costmap = two_rooms();
     let (left, right) = (DVec2::new(-1.5, 0.0), DVec2::new(1.5, 0.0));
     let [left_node, right_node] = [left, right].map(|p| costmap.node_at(p).expect("on the map"));
     let (mut search, mut points) = (GridPlanner::new(), vec![left]);
