@@ -33,7 +33,7 @@ pub trait Named: Clone + PartialEq + Sized + 'static {
         let known = Self::NAMES.iter().find(|(known, _)| *known == name);
         known.map(|(_, value)| value.clone()).ok_or_else(|| {
             let names: Vec<&str> = Self::NAMES.iter().map(|(name, _)| *name).collect();
-            SpecError::new(Self::FIELD, name, names.join(", "))
+            SpecError::new(Self::FIELD, name, format!("one of {}", names.join(", ")))
         })
     }
 
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn an_unknown_name_is_an_error_with_all_known_ones() {
         let error = OdometryProfile::named("slick").expect_err("no such profile");
-        let text = "`odometry` must be skid, mild, poor, exact, got slick";
+        let text = "`odometry` must be one of skid, mild, poor, exact, got slick";
         assert_eq!(error.to_string(), text);
     }
 }

@@ -98,7 +98,7 @@ mod tests {
         assert!(error("(name: \"mine\", version: 1, conditions: [])").contains("conditions"));
         let laser =
             error("(name: \"mine\", version: 1, conditions: [(name: \"a\", laser: \"far\")])");
-        assert!(laser.starts_with("a: `laser` must be lms200_mm"), "{laser}");
+        assert!(laser.starts_with("a: `laser` must be one of lms200_mm"), "{laser}");
         let name = error("(name: \"reference\", version: 1, conditions: [(name: \"a\")])");
         assert!(name.starts_with("panel: `name` must be a name of its own"), "{name}");
         assert_eq!(Panel::from_ron(REFERENCE), Ok(Panel::reference()));

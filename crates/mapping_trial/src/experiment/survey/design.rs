@@ -493,7 +493,7 @@ mod tests {
         assert!(error(&|s| s.families[1].maps = 0).starts_with("b: `maps` must be"));
         assert!(error(&|s| s.families[0].first_seed = Seed(u64::MAX)).contains("a: `first_seed`"));
         let text = error(&|s| s.conditions[1].laser = "sharp".into());
-        assert!(text.starts_with("two: `laser` must be lms200_mm"), "{text}");
+        assert!(text.starts_with("two: `laser` must be one of lms200_mm"), "{text}");
         assert!(error(&|s| s.conditions[0].time_per_area = Some(f64::NAN)).contains("NaN"));
         let text = error(&|s| s.families[0].maps = 1_000_000);
         assert!(text.contains("at most 1000000 trials"), "{text}");
