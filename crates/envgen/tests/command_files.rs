@@ -346,6 +346,7 @@ fn lists_are_set_in_either_form() {
     assert!(kinds.contains(", such as straight,turn,straight; default straight,left"), "{kinds}");
     let kinds = String::from_utf8(folder.run("kinds indoor").stdout).unwrap();
     assert!(kinds.contains("together: `open_areas` is true, where `profile` is guaranteed"));
+    assert!(kinds.contains("such as warehouse,maze; default empty\n"), "{kinds}");
 }
 
 fn map(folder: &Folder, name: &str) -> RosMap {

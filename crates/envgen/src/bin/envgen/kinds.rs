@@ -58,7 +58,10 @@ fn list(settings: &'static [Setting], defaults: &Value, out: &mut impl Write) ->
             writeln!(out, "  [{group}]")?;
         }
         for setting in settings {
-            let default = setting.text_of(&defaults[setting.name]);
+            let default = match setting.text_of(&defaults[setting.name]) {
+                empty if empty.is_empty() => "empty".to_owned(),
+                default => default,
+            };
             let unit = if setting.unit.is_empty() { "" } else { " " };
             let or_none = if setting.optional { ", or none" } else { "" };
             let example = setting.example.map_or(String::new(), |text| format!(", such as {text}"));
