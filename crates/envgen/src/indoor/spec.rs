@@ -100,17 +100,19 @@ settings! {
     /// # Ok::<(), envgen::indoor::IndoorError>(())
     /// ```
     pub struct IndoorSpec {
-        /// The difficulty that the rules adapt to.
+        /// The difficulty that the rules adapt to; in the profile `calibrated` the one that trials are predicted to
+        /// measure.
         difficulty: f64 = 5.0 => number("", 0.0..=10.0);
-        /// Columns of the grid.
+        /// Number of columns of the grid; a cell has the side `cell_size`.
         width: u32 = 16 => integer("", 4..=1024);
-        /// Rows of the grid.
+        /// Number of rows of the grid.
         height: u32 = 16 => integer("", 4..=1024);
         /// Side of a cell.
         #[alias = "unit"]
         #[group = "layout"]
         cell_size: f64 = 3.0 => number("m", 1.2..=12.0);
-        /// Exactly as in the paper, or with every place reachable.
+        /// What a map follows: `thesis` the paper's rules exactly; `guaranteed` these rules, with every place
+        /// reachable; `calibrated` the difficulty that trials measure, also with every place reachable.
         #[group = ""]
         profile: Profile = Profile::Guaranteed => choice;
         /// How the hallways are laid out.
