@@ -323,7 +323,7 @@ impl fmt::Display for RasterReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lines: [(&str, Option<f64>, &str); 13] = [
             ("Total Edge", Some(self.edge_count as f64), "sides"),
-            ("Total Edge Density", self.ted, "sides a cell"),
+            ("Total Edge Density", self.ted, "sides per cell"),
             ("edge length", Some(self.total_edge_m), "m"),
             ("edge density", self.edge_density_m_per_ha, "m/ha"),
             ("SHDI (entropy)", self.shdi, "nats"),
