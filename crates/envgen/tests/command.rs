@@ -578,6 +578,11 @@ fn what_moves_is_generated_drawn_and_read_back() {
     assert_eq!(std::fs::read_to_string(&again).unwrap(), drawn);
     assert!(with(&["--out", &still]).status.success());
     assert!(!std::fs::read_to_string(&still).unwrap().contains("id=\"people\""));
+    // A world file alone holds nothing that moves, which is reported.
+    assert!(made.stderr.is_empty());
+    let world = with(&["--set", "people=3", "--out", &path("map.json")]);
+    let note = String::from_utf8(world.stderr).unwrap();
+    assert!(world.status.success() && note.starts_with("note: no file holds the"), "{note}");
     let refused = |more: &[&str], why: &str| {
         let (code, text) = failure(&[&small[..], more].concat());
         assert!(code != 0 && text.contains(why), "{text}");

@@ -75,6 +75,12 @@ impl Begun {
             return Err(Failure::Usage(text).about("--curvature-profile"));
         }
         say_sizes(world, self.resolution, &self.outputs)?;
+        if self.scenario.is_some() && !self.outputs.iter().any(shows_scenario) {
+            note(
+                "no file holds the doors, people and smoke: they are drawn in pictures, and written to files that end \
+                 with .scenario.ron",
+            );
+        }
         self.picture.scenario.clone_from(&self.scenario);
         for (output, file) in self.outputs.iter().zip(&mut self.files) {
             steps.begin(format!("writing {}", output.asked.display()));
@@ -167,6 +173,11 @@ const RESOLUTION: Setting = Setting::number(
     *RESOLUTIONS.end(),
     "side of a cell of maps for ROS",
 );
+
+/// Whether a file shows what moves in the world.
+fn shows_scenario(output: &Output) -> bool {
+    matches!(output.format, Format::Scenario | Format::Svg | Format::Png)
+}
 
 /// Whether a format uses the resolution.
 fn is_gridded(format: Format) -> bool {
