@@ -48,7 +48,7 @@ pub enum SettingsError {
     #[error(transparent)]
     Value(#[from] SpecError),
     /// The text is not the RON of a spec.
-    #[error("not the RON of a world spec, at {0}")]
+    #[error("not the RON of a world spec such as `Hallway(segments: 80)`, at {0}")]
     Ron(Box<ron::error::SpannedError>),
 }
 

@@ -300,7 +300,7 @@ fn errors_name_the_file_or_the_option() {
         (
             "generate syntax.ron --out a.svg",
             2,
-            "error: syntax.ron: not the RON of a world spec, at",
+            "error: syntax.ron: not the RON of a world spec such as `Hallway(segments: 80)`, at",
         ),
         ("generate crowded.ron --out a.svg", 1, "error: crowded.ron: "),
         ("generate forest --out a.xodr", 1, "error: --out a.xodr: the world has no road"),

@@ -149,7 +149,7 @@ fn is_usual_height(value: &f64) -> bool {
 #[non_exhaustive]
 pub enum RobotError {
     /// A syntax error or an unknown field, with its line and column.
-    #[error(transparent)]
+    #[error("not the RON of a robot such as `(length: 0.4, width: 0.4)`, at {0}")]
     Ron(#[from] Box<ron::error::SpannedError>),
     /// A number outside of its limits.
     #[error(transparent)]
@@ -302,6 +302,9 @@ mod tests {
         assert_eq!(error("(width: -1)"), "`body.width` must be a number from 0.01 to 4, got -1");
         assert!(error("(widht: 1)").contains("widht"), "{}", error("(widht: 1)"));
         assert!(error("(width: ").contains("1:9"), "{}", error("(width: "));
+        assert!(
+            error("# A robot").starts_with("not the RON of a robot such as `(length: 0.4, width")
+        );
     }
 
     #[test]

@@ -157,7 +157,7 @@ impl Default for Condition {
 #[non_exhaustive]
 pub enum SurveyError {
     /// A syntax error or an unknown field, with its line and column.
-    #[error(transparent)]
+    #[error("not valid RON for this file, at {0}")]
     Ron(#[from] Box<ron::error::SpannedError>),
     /// A value that is not allowed.
     #[error("{place}: {error}")]
@@ -497,6 +497,8 @@ mod tests {
         assert!(error(&|s| s.conditions[0].time_per_area = Some(f64::NAN)).contains("NaN"));
         let text = error(&|s| s.families[0].maps = 1_000_000);
         assert!(text.contains("at most 1000000 trials"), "{text}");
+        let text = Survey::from_ron("# A survey").expect_err("no RON").to_string();
+        assert!(text.starts_with("not valid RON for this file, at 1:2"), "{text}");
         let text = Survey::from_ron("(familes: [])").expect_err("unknown").to_string();
         assert!(text.contains("familes"), "{text}");
     }
