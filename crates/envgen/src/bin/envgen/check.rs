@@ -22,8 +22,8 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     file: WorldFile,
 
-    /// What moves in the world, in RON: promises are verified with every door open, and what depends on a single
-    /// door is listed.
+    /// A scenario: a RON file of doors, people and smoke. Promises are verified with every door open, and places that
+    /// can be reached only through a single door are listed.
     #[arg(long, value_name = "FILE.ron")]
     scenario: Option<PathBuf>,
 }

@@ -17,7 +17,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     json: bool,
 
-    /// Prints this kind alone.
+    /// Lists only this kind.
     kind: Option<String>,
 }
 

@@ -20,12 +20,12 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// Random worlds for robots: hallways, forests and more, from a kind, its settings and a seed.
+/// Generates random worlds for robots, and converts, inspects and checks world files.
 #[derive(Parser)]
 #[command(
     version,
     arg_required_else_help = true,
-    after_help = "Trials, measured difficulty, and scores of maps that any SLAM made of a world: envgen-trials"
+    after_help = "The command envgen-trials measures the difficulty of worlds, and scores the maps of SLAM programs."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -36,23 +36,23 @@ struct Arguments {
 enum Command {
     /// Lists every kind with its settings, units, defaults and limits.
     Kinds(kinds::Arguments),
-    /// Generates one world and writes it to files; the ending of a file selects its format.
+    /// Generates one world and writes it to files; the ending of a file's name selects its format.
     Generate(generate::Arguments),
-    /// Reads a world file and writes it in other formats; the endings of the files select them.
+    /// Reads a world file and writes it in other formats; the ending of a file's name selects its format.
     Convert(convert::Arguments),
-    /// Prints blueprints of consecutive seeds as JSON lines; seeds without a blueprint are listed on
-    /// stderr and give exit code 1.
+    /// Prints the blueprints of consecutive seeds, one line of JSON each. Seeds without a blueprint are listed
+    /// on stderr; the exit code is then 1.
     Sample(sample::Arguments),
     /// Shows the provenance, certificate, metrics and difficulty vector of a world file.
     Inspect(inspect::Arguments),
     /// Prints the landscape metrics of a raster of classes.
     Metrics(metrics::Arguments),
-    /// Checks a world file; exit code 1 if it is not what it claims to be.
+    /// Verifies the promises of a world file, and that its spec and seed give the same world.
     ///
-    /// Verifies every promise of the certificate on the world alone, and generates the world again
-    /// from its spec and seed. Exit code 1 if a promise does not hold or cannot be decided, or if the
-    /// spec and seed give another world. A file without promises, and a world that was imported, marked
-    /// as edited or made by another value version, do not fail for that: the output says so.
+    /// Every promise of the certificate is verified from the shapes of the world alone. Then the world is generated
+    /// again from its spec and seed. The exit code is 1 if a promise does not hold or cannot be decided, or if the
+    /// spec and seed give another world. These files pass, with a note: files without promises, imported worlds,
+    /// worlds that are marked as edited, and worlds of another value version.
     Check(check::Arguments),
 }
 

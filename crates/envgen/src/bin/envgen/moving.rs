@@ -13,12 +13,12 @@ use crate::source::{note, read};
 #[derive(Args)]
 #[command(next_help_heading = "Doors, people and smoke")]
 pub(crate) struct Moving {
-    /// What moves in the world, in RON, instead of settings such as doors=0.5, people=4 and smoke=0.2. It is
-    /// drawn in pictures, and written to files that end with .scenario.ron.
+    /// A scenario: a RON file of doors, people and smoke, in place of settings such as `--set people=4`. Pictures show
+    /// a scenario, and an --out that ends with .scenario.ron holds it; other files do not.
     #[arg(long, value_name = "FILE.ron")]
     scenario: Option<PathBuf>,
 
-    /// The seed of what moves, if not that of the world.
+    /// The seed of doors, people and smoke [default: the seed of the world].
     #[arg(long, value_name = "N", allow_negative_numbers = true, conflicts_with = "scenario")]
     scenario_seed: Option<Seed>,
 }

@@ -8,8 +8,8 @@ use crate::failure::Failure;
 
 #[derive(Args)]
 pub(crate) struct PlatformOptions {
-    /// Sets a number of the robot and laser for which the difficulty vector is computed, such as
-    /// `max_range=20`; may be given several times. An unknown name lists those that there are.
+    /// Changes a property of the robot and laser for which the difficulty vector is computed, such as
+    /// `max_range=20`; may be given several times. An unknown name lists all names.
     #[arg(long = "platform", value_name = "NAME=VALUE")]
     numbers: Vec<String>,
 }

@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     count: u64,
 
-    /// What to measure.
+    /// What to compute for each seed.
     #[arg(long, value_enum, default_value_t = Measures::Blueprint, value_name = "MEASURES")]
     metrics: Measures,
 
@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
 enum Measures {
     /// The blueprint alone.
     Blueprint,
-    /// The blueprint, and the difficulty vector of its world: null where the robot does not fit at the start, or
+    /// The blueprint, and the difficulty vector of its world, or null if the robot does not fit at the start or
     /// anywhere.
     Difficulty,
 }

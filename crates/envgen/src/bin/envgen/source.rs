@@ -19,15 +19,15 @@ const MAX_SPEC_BYTES: u64 = 1 << 28;
 
 #[derive(Args)]
 pub(crate) struct Source {
-    /// A kind (see `envgen kinds`), or a RON file that holds a spec.
+    /// A kind (see `envgen kinds`), or a RON file with a spec, such as `Hallway(segments: 80)`.
     #[arg(value_name = "KIND|FILE.ron")]
     what: String,
 
-    /// The seed from which everything random follows.
+    /// The seed: the same settings and seed give the same world.
     #[arg(long, default_value_t = Seed(0), value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Seed,
 
-    /// Sets a setting (see `envgen kinds`); may be given several times.
+    /// Changes a setting (see `envgen kinds`), such as `width=3`; may be given several times.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
 
@@ -189,8 +189,9 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
 /// A world file.
 #[derive(Args)]
 pub(crate) struct WorldFile {
-    /// A world file: JSON or RON, a landscape's raster, a ROS map (.yaml), GeoJSON in metres (.geojson), a house
-    /// of HouseExpo (.json), a world of BARN (.world, .npy) or a project of the World Generator (.xml).
+    /// A world file: JSON or RON, the raster of a landscape (.asc, .map), a ROS map (.yaml), GeoJSON in metres
+    /// (.geojson), a house of HouseExpo (.json), a world of BARN (.world, .npy) or a project of the World Generator
+    /// (.xml).
     file: PathBuf,
 
     #[command(flatten)]
@@ -248,7 +249,7 @@ struct Rooms {
     #[arg(long, value_name = "FOLDER")]
     rooms: Option<PathBuf>,
 
-    /// A room library of the World Generator: adds empty rooms of known size, for names that no room
+    /// A room library of the World Generator. It adds an empty room of the given size for each name that no room
     /// has yet.
     #[arg(long, value_name = "FILE.xml")]
     library: Option<PathBuf>,

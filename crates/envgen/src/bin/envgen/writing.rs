@@ -18,12 +18,13 @@ use crate::source::note;
 
 #[derive(Args)]
 pub(crate) struct Writing {
-    /// A file to write; its ending selects the format. May be given several times.
+    /// A file to write; may be given several times. The ending of its name selects the format, such as .json, .svg
+    /// or .yaml (ROS map); an unknown ending lists all.
     #[arg(long, required = true, value_name = "FILE")]
     out: Vec<PathBuf>,
 
-    /// Cell size of ROS maps (.yaml) and of outlines (.house.json) in metres, from 0.001 to 1000; a grid has at
-    /// most 67,108,864 cells. Default: 0.05, or coarser for a world that would have more than 16,777,216 cells.
+    /// Cell size of ROS maps (.yaml) and of outlines (.house.json) in metres, from 0.001 to 1000. A grid has at most
+    /// 67,108,864 cells [default: 0.05, or more where a map would have more than 16,777,216 cells].
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     resolution: Option<f64>,
 
@@ -101,23 +102,23 @@ impl Begun {
 #[derive(Args)]
 #[command(next_help_heading = "Pictures")]
 struct PictureFile {
-    /// Greatest width of pictures in px [default: 1000].
+    /// Maximum width of pictures in pixels [default: 1000].
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     picture_width: Option<u32>,
 
-    /// Greatest height of the plan in pictures in px [default: 800].
+    /// Maximum height of the plan in pictures in pixels [default: 800].
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]
     picture_height: Option<u32>,
 
-    /// Title of pictures, instead of kind and seed.
+    /// Title of pictures [default: kind and seed].
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
 
-    /// Draws a grid of round metres under the world.
+    /// Draws a grid with a round number of metres per cell below the world.
     #[arg(long)]
     grid: bool,
 
-    /// Draws the curvature of roads over their length, under the world.
+    /// Draws the curvature of roads over their length, below the plan.
     #[arg(long)]
     curvature_profile: bool,
 }

@@ -16,11 +16,11 @@ use crate::survey;
 /// The atlas's design.
 #[derive(Args)]
 pub(crate) struct DesignOptions {
-    /// The kind of worlds, of the atlases of the crate.
+    /// The kind of worlds, each of which has a built-in atlas.
     #[arg(long, value_enum, default_value_t = AtlasKind::Indoor)]
     kind: AtlasKind,
 
-    /// The atlas's design in RON, if not one of the crate.
+    /// A RON file with the design of the atlas, in place of a built-in one.
     #[arg(long, value_name = "FILE.ron", conflicts_with = "kind")]
     design: Option<PathBuf>,
 }
@@ -71,7 +71,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     design: DesignOptions,
 
-    /// Run only a share of the worlds, such as 2/8.
+    /// Runs only a share of the worlds, such as 2/8.
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
 

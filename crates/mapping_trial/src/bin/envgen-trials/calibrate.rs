@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     design: DesignOptions,
 
-    /// The folders of the atlas's trials: the whole, or all shares.
+    /// The folder of the atlas's trials, or the folders of all its shares.
     #[arg(long, value_name = "FOLDER", num_args = 1.., default_value = "out/atlas")]
     atlas: Vec<PathBuf>,
 
@@ -30,19 +30,19 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FOLDER", default_value = "out/anchors")]
     anchors: PathBuf,
 
-    /// Trials per anchor and condition.
+    /// Number of trials per anchor and condition.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     anchor_seeds: u32,
 
-    /// Fit to the worlds whose trials are finished, although others are not.
+    /// Fits to the worlds whose trials are finished, and leaves out the others.
     #[arg(long)]
     partial: bool,
 
-    /// The calibration to write.
+    /// The calibration file to write.
     #[arg(long, value_name = "FILE.json")]
     out: PathBuf,
 
-    /// A table of the atlas's worlds to write as well: settings, features and measured dials.
+    /// Also writes a table of the atlas's worlds: settings, features and measured dials.
     #[arg(long, value_name = "FILE.parquet")]
     table: Option<PathBuf>,
 }

@@ -21,19 +21,20 @@ use crate::warning::{warn, warn_of_coverage};
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Sets a setting of indoor maps (see `envgen kinds`), such as `difficulty=7`; may be given several times.
+    /// Changes a setting of indoor maps (see `envgen kinds indoor`), such as `difficulty=7`; may be given several
+    /// times.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
 
-    /// The seed from which everything random follows.
+    /// The seed: the same settings, panel and seed give the same map.
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
     seed: Seed,
 
-    /// Trials under each condition of the last measurement.
+    /// Number of trials under each condition of the last measurement.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     seeds: u32,
 
-    /// A file to write; its ending selects the format. May be given several times.
+    /// A file to write; may be given several times. The ending of its name selects the format.
     #[arg(long, value_name = "FILE", required = true)]
     out: Vec<PathBuf>,
 

@@ -17,7 +17,7 @@ use crate::survey;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The levers in RON, if not those of the crate.
+    /// A RON file with the levers, in place of the built-in ones.
     #[arg(long, value_name = "FILE.ron")]
     design: Option<PathBuf>,
 
@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FOLDER", default_value = "out/levers")]
     out: PathBuf,
 
-    /// A figure to write.
+    /// A figure to write as SVG.
     #[arg(long, value_name = "FILE.svg")]
     figure: Option<PathBuf>,
 }

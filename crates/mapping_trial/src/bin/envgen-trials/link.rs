@@ -20,9 +20,9 @@ use crate::stdout;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The report.json of each session, with its log.json beside it. Give those of one person for a link of
-    /// that person's ratings. Sessions of which the folder's name ends with _training are left out: the true
-    /// world was shown.
+    /// The report.json of each session; its log.json is in the same folder. To fit the ratings of one person, give
+    /// the sessions of this person only. Sessions in folders whose names end with _training are left out, because
+    /// they showed the true world.
     #[arg(value_name = "REPORT.json", required = true)]
     reports: Vec<PathBuf>,
 

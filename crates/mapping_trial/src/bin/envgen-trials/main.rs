@@ -25,36 +25,36 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-/// How difficult worlds are, measured by mapping trials of a panel of simulated robots.
+/// Measures the difficulty of worlds by mapping trials of simulated robots, and scores maps of other SLAM programs.
 #[derive(Parser)]
 #[command(version, arg_required_else_help = true)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
 
-    /// Threads; 0 for one per core.
+    /// Number of threads; 0 for one per core.
     #[arg(long, global = true, default_value_t = 0, value_parser = clap::value_parser!(u16).range(..=1024))]
     threads: u16,
 }
 
 #[derive(Subcommand)]
 enum Command {
-    /// Measures the difficulty of a world file, or of a map of ROS.
+    /// Measures the difficulty of a world file or a ROS map.
     Measure(measure::Arguments),
-    /// Generates an indoor map whose measured difficulty is the requested one: several candidates race, the
-    /// nearest is measured again.
+    /// Generates an indoor map of a requested difficulty: measures several candidates, and measures the best one
+    /// again.
     Generate(generate::Arguments),
-    /// Measures what each lever of the generator does.
+    /// Measures the effect of each lever, a setting that makes maps easier or harder.
     Levers(levers::Arguments),
-    /// Scores a map that any SLAM made of a world, and its trajectory, as trials are scored.
+    /// Scores the map that a SLAM program made of a world, and its trajectory, by the scores of trials.
     Score(score::Arguments),
-    /// Links people's ratings to the scale of measured difficulty, from the reports of their sessions.
+    /// Fits people's ratings to the scale of measured difficulty, from the reports of their sessions.
     Link(link::Arguments),
-    /// Measures the anchors: the scale of a panel.
+    /// Measures the anchors, the easy and hard worlds that define the scale of a panel.
     Anchors(anchors::Arguments),
-    /// Measures the worlds of the atlas, from which predictions are fitted.
+    /// Measures the worlds of an atlas, to which predictions are fitted.
     Atlas(atlas::Arguments),
-    /// Fits predictions to a measured atlas.
+    /// Fits the predictions of difficulty to a measured atlas.
     Calibrate(calibrate::Arguments),
 }
 

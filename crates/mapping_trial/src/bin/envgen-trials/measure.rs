@@ -21,12 +21,12 @@ use crate::warning::warn_of_coverage;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// A world file in any format that `envgen convert` reads, also a map of ROS. Where it has no start, robots
-    /// start in the largest free region, away from walls.
+    /// A world file in any format that `envgen convert` reads, such as a ROS map. If it has no start, robots start in
+    /// the largest free region, away from walls.
     #[arg(value_name = "FILE")]
     world: PathBuf,
 
-    /// Trials under each condition.
+    /// Number of trials under each condition.
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=1000))]
     seeds: u32,
 

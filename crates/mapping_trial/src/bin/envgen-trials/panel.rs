@@ -26,42 +26,42 @@ use crate::warning::warn;
 #[derive(Args)]
 #[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct PanelOptions {
-    /// A panel of your own, in RON.
+    /// A RON file with a panel of your own: the conditions of the trials, in place of the reference panel.
     #[arg(long, value_name = "FILE.ron")]
     panel: Option<PathBuf>,
 
-    /// The robot of all conditions, in RON, such as `(length: 0.4, width: 0.4)`.
+    /// A RON file with the robot of all conditions, such as `(length: 0.4, width: 0.4)`.
     #[arg(long, value_name = "FILE.ron")]
     robot: Option<PathBuf>,
 
-    /// The laser of all conditions.
+    /// The laser of all conditions: lms200_mm, lms200_mm_rough, usarsim, urg_04lx or wide_12m.
     #[arg(long, value_name = "NAME")]
     laser: Option<String>,
 
-    /// How poses and map are estimated in all conditions: scan_to_map, pose_graph or dead_reckoning.
+    /// The estimator of poses and map in all conditions: scan_to_map, pose_graph or dead_reckoning.
     #[arg(long, value_parser = SlamKind::named)]
     slam: Option<SlamKind>,
 
-    /// Which systematic errors of the wheels are learned in all conditions: none, turns or turns_and_distances.
+    /// The systematic errors of the wheels that SLAM learns in all conditions: none, turns or turns_and_distances.
     #[arg(long, value_name = "ERRORS", value_parser = WheelCalibration::named)]
     wheel_calibration: Option<WheelCalibration>,
 
-    /// The only policy that drives: nearest, info_gain, cautious, wall_follow, corridors or tour.
+    /// The exploration policy of all conditions: nearest, info_gain, cautious, wall_follow, corridors or tour.
     #[arg(long = "policy", alias = "operator", value_parser = PolicyKind::named)]
     policy: Option<PolicyKind>,
 
-    /// A program of your own that drives in all conditions in place of the policy, such as
-    /// `python3 examples/drivers/explorer.py`: docs/driver-protocol.md describes the lines that it reads and writes.
-    /// One is started for each trial, several at once.
+    /// A driver program that drives in all conditions in place of the policy, such as
+    /// `python3 examples/drivers/explorer.py`; docs/driver-protocol.md describes its input and output. Each trial
+    /// starts the program once, and several run at the same time.
     #[arg(long, value_name = "COMMAND", conflicts_with = "policy")]
     driver: Option<String>,
 
-    /// The folder of the anchors' trials, which make the scale of a panel; a panel has a folder of its own if none
-    /// is given. The scale of the reference panel is known: it is measured if this option or --anchor-seeds is given.
+    /// The folder of the anchors' trials, which define the scale of a panel [default: a folder for each panel]. The
+    /// scale of the reference panel is built in; it is measured only with this option or --anchor-seeds.
     #[arg(long, value_name = "FOLDER")]
     anchors: Option<PathBuf>,
 
-    /// Trials per anchor and condition, 1 if not given.
+    /// Number of trials per anchor and condition [default: 1].
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
     anchor_seeds: Option<u32>,
 }

@@ -31,7 +31,7 @@ const LEAST_GROUND: f64 = 0.5;
 #[derive(Args)]
 #[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct Arguments {
-    /// The map to score: the YAML of a map of ROS, as map_saver_cli of Nav2 writes it.
+    /// The map to score: the YAML file of a ROS map, as map_saver_cli of Nav2 writes it.
     #[arg(long, value_name = "FILE.yaml")]
     map: PathBuf,
 
@@ -39,29 +39,29 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     world: PathBuf,
 
-    /// The frame of the map and of the estimated trajectory: start has its origin at the pose where the robot
-    /// started, as that of SLAM programs; world is the world's own, as that of this project's trials.
+    /// The frame of the map and of the estimated trajectory. start: its origin is the pose where the robot started, as
+    /// in maps of SLAM programs. world: the frame of the world, as in maps of this project's trials.
     #[arg(long, value_enum, default_value_t = Frame::Start)]
     frame: Frame,
 
-    /// Where the robot started, in metres and degrees, if not at the start of the world.
+    /// Where the robot started, in metres and degrees [default: the start of the world].
     #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true)]
     start: Option<Pose>,
 
-    /// Moves the map to where its walls match those of the world best, at most about a metre away.
+    /// Moves the map to where its walls match those of the world best, by at most about a metre.
     #[arg(long)]
     fit: bool,
 
-    /// The estimated trajectory, in the format of TUM; once for each of several robots.
+    /// The estimated trajectory in the TUM format; for several robots, once for each.
     #[arg(long, value_name = "FILE.tum", requires = "truth")]
     trajectory: Vec<PathBuf>,
 
-    /// The true trajectory in the world's frame, in the format of TUM, with the same clock; once for each --trajectory,
-    /// in the same order.
+    /// The true trajectory in the TUM format, in the frame of the world and with the same clock; once for each
+    /// --trajectory, in the same order.
     #[arg(long, value_name = "FILE.tum", requires = "trajectory")]
     truth: Vec<PathBuf>,
 
-    /// The robot in RON, such as `(length: 0.4, width: 0.4)`; defaults to the Pioneer 3-AT.
+    /// A RON file with the robot, such as `(length: 0.4, width: 0.4)` [default: the Pioneer 3-AT].
     #[arg(long, value_name = "FILE.ron")]
     robot: Option<PathBuf>,
 
