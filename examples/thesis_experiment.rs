@@ -85,7 +85,7 @@ struct Arguments {
     #[arg(long, default_value = "thesis", value_parser = ["thesis", "guaranteed"])]
     profile: String,
 
-    /// Side of the maps in grid units of 3 m.
+    /// Side of the maps in cells of 3 m.
     #[arg(long, default_value_t = Design::default().size)]
     size: u32,
 
@@ -111,9 +111,9 @@ struct Arguments {
     ])]
     merge: Vec<PathBuf>,
 
-    /// What moves in the same maps costs this much: doors, people, smoke, or settings of scenarios such as
-    /// people=20; several joined by +, such as smoke=0.3+people=20, are one hazard. Prints a table of
-    /// paired differences instead of the report; with --merge, that of all shares of such a run.
+    /// Measure what hazards cost in the same maps: doors, people, smoke, or settings of scenarios such as
+    /// people=20. Settings joined by +, such as smoke=0.3+people=20, are one hazard. A table of paired
+    /// differences is printed in place of the report; with --merge, that of all shares of such a run.
     #[arg(long, value_delimiter = ',', value_parser = Hazard::parse, conflicts_with = "fresh")]
     hazards: Vec<Hazard>,
 

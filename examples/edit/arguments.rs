@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = Seed(0), value_name = "N", allow_negative_numbers = true)]
     seed: Seed,
 
-    /// Sets a setting of a kind or spec (see `envgen kinds`); may be given several times.
+    /// Change a setting of a kind or spec (see `envgen kinds`); may be given several times.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
 

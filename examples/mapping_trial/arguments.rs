@@ -38,8 +38,8 @@ pub(crate) struct Arguments {
           conflicts_with_all = ["world", "map", "replay"])]
     profile: String,
 
-    /// Side of the indoor map in grid units of 3 m. In 20 minutes one robot explores a map of 10,
-    /// and half of one of 16.
+    /// Side of the indoor map in cells of 3 m. In 20 minutes, one robot explores a map of 10 x 10 cells, and half
+    /// of one of 16 x 16.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(4..=MAX_SIZE),
           allow_negative_numbers = true, conflicts_with_all = ["world", "map", "replay"])]
     size: u32,
@@ -48,7 +48,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true, conflicts_with = "replay")]
     seed: Seed,
 
-    /// The seed of the sensor noise, if not that of the world.
+    /// The seed of the sensor noise [default: the seed of the world].
     #[arg(long, allow_negative_numbers = true, conflicts_with = "replay")]
     noise_seed: Option<Seed>,
 
@@ -56,7 +56,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["map", "replay"])]
     world: Option<PathBuf>,
 
-    /// A map of ROS's map_server.
+    /// A ROS map, as map_server of Nav2 reads it.
     #[arg(long, value_name = "FILE.yaml", conflicts_with = "replay")]
     map: Option<PathBuf>,
 
@@ -65,7 +65,7 @@ pub(crate) struct Arguments {
           default_value = PolicyKind::Nearest.name(), conflicts_with = "replay")]
     policy: PolicyKind,
 
-    /// A driver program with its arguments instead of a policy, see docs/driver-protocol.md; - for the
+    /// A driver program with its arguments, in place of a policy; see docs/driver-protocol.md. - is the
     /// program that started this one, over standard input and output.
     #[arg(long, value_name = "PROGRAM", allow_hyphen_values = true,
           conflicts_with_all = ["policy", "replay"])]
@@ -85,7 +85,7 @@ pub(crate) struct Arguments {
     #[arg(long, help = help("robots"), default_value_t = TrialSettings::default().robots, conflicts_with = "replay")]
     robots: u32,
 
-    /// The robot in RON, such as `(length: 0.4, width: 0.4)`; defaults to the Pioneer 3-AT.
+    /// A RON file with the robot, such as `(length: 0.4, width: 0.4)` [default: the Pioneer 3-AT].
     #[arg(long, value_name = "FILE.ron", conflicts_with = "replay")]
     robot: Option<PathBuf>,
 
@@ -94,26 +94,27 @@ pub(crate) struct Arguments {
           conflicts_with = "replay")]
     odometry: OdometryProfile,
 
-    /// Where the first robot starts, in metres and degrees.
+    /// Where the first robot starts, in metres and degrees; a heading that is left out is 0 [default: the start of
+    /// the world].
     #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true,
           conflicts_with = "replay")]
     start: Option<Pose>,
 
-    /// The simulator: flat, fast with robots as discs, or rapier, with rigid-body physics.
+    /// The simulator: flat, which is fast and has robots as discs, or rapier, with rigid-body physics.
     #[arg(long, default_value = "flat", value_parser = ["flat", "rapier"], conflicts_with = "replay")]
     pub(crate) engine: String,
 
-    /// Run a log again instead, in the simulator that made it.
+    /// Replay a trial from its log.json, in the simulator that made it.
     #[arg(long, value_name = "LOG",
           conflicts_with_all = ["slam", "wheel_calibration", "laser", "time_limit", "time_per_area"])]
     pub(crate) replay: Option<PathBuf>,
 
-    /// Writes a bag for ROS 2 too, which Foxglove shows and `ros2 bag play` plays: this file, and beside it
-    /// metadata.yaml, the world, and the true and the estimated trajectory. Each log needs a folder of its own.
+    /// Also write a bag for ROS 2, which Foxglove shows and `ros2 bag play` plays: this file, and in the same folder
+    /// metadata.yaml, the world, and the true and the estimated trajectory. Give each bag a folder of its own.
     #[arg(long, value_name = "FILE.mcap")]
     log: Option<PathBuf>,
 
-    /// Writes what the robots' cameras see too, in the simulator rapier: colours, depths in millimetres, labels, and
+    /// Also write what the robots' cameras see, in the simulator rapier: colours, depths in millimetres, labels, and
     /// frames.json. See docs/guide/bevy.md. Needs a build with --features window.
     #[arg(long, value_name = "FOLDER")]
     pub(crate) camera: Option<PathBuf>,
@@ -142,19 +143,20 @@ pub(crate) struct Arguments {
     )]
     pub(crate) camera_rate: f64,
 
-    /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
+    /// Add doors, people or smoke to the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
+    /// `envgen kinds` lists the settings.
     #[arg(long = "set", value_name = "NAME=VALUE", conflicts_with = "replay")]
     settings: Vec<String>,
 
-    /// What moves in the world, in RON.
+    /// A scenario: a RON file of doors, people and smoke.
     #[arg(long, value_name = "FILE.ron", conflicts_with_all = ["settings", "replay"])]
     scenario: Option<PathBuf>,
 
-    /// The seed of what moves, if not that of the world.
+    /// The seed of doors, people and smoke [default: the seed of the world].
     #[arg(long, allow_negative_numbers = true, requires = "settings")]
     scenario_seed: Option<Seed>,
 
-    /// Fill the feedback form of Zwennes (2011) yourself, instead of from measurements.
+    /// Fill in the feedback form of Zwennes (2011) yourself. Otherwise measurements fill it in.
     #[arg(long)]
     pub(crate) form: bool,
 

@@ -57,7 +57,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_parser = named::<OdometryProfile>(), default_value = name(|settings| &settings.odometry))]
     odometry: OdometryProfile,
 
-    /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
+    /// Add doors, people or smoke to the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.
+    /// `envgen kinds` lists the settings.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     scenario: Vec<String>,
 
@@ -69,8 +70,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     no_camera: bool,
 
-    /// Rows of the picture of a robot's camera: more look better and take longer [default: 720, or 240 without a
-    /// graphics card].
+    /// Height of the pictures of the robots' cameras in pixels: a higher picture is sharper and takes longer [default:
+    /// 720, or 240 without a graphics card].
     #[arg(long, value_name = "ROWS", conflicts_with = "no_camera", value_parser = clap::value_parser!(u32).range(60..=2160))]
     pub(crate) camera_rows: Option<u32>,
 

@@ -22,8 +22,8 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = Seed(0), allow_negative_numbers = true)]
     seed: Seed,
 
-    /// Sets what moves in the world, such as doors=0.5, people=4 or smoke=0.2, or a setting of the kind of world;
-    /// may be given several times.
+    /// Add doors, people or smoke to the world, such as doors=0.5, people=4 or smoke=0.2, or change a setting of the
+    /// kind of world; may be given several times. `envgen kinds` lists the settings.
     #[arg(long = "set", value_name = "NAME=VALUE")]
     settings: Vec<String>,
 }
