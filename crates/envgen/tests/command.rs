@@ -456,7 +456,7 @@ fn bad_arguments_are_exit_code_two_and_leave_nothing() {
         ),
         (
             vec!["generate", "indoor", "--scenario-seed", "5", "--out", out],
-            "--scenario-seed 5: applies to settings of what moves",
+            "--scenario-seed 5: applies to scenario settings",
         ),
         (
             vec!["generate", "forest", "--grid", "--out", "forest.csv"],

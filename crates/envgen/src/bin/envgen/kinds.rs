@@ -44,8 +44,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         }
     }
     if arguments.kind.is_none() {
-        writeln!(out, "\nin worlds of every kind, for `generate`: what moves")?;
+        writeln!(out, "\nscenario, for `generate` with any kind: doors, people and smoke.")?;
         list(ScenarioSpec::SETTINGS, &ScenarioSpec::default().settings_json(), &mut out)?;
+    } else {
+        writeln!(out, "\n`envgen kinds` also lists the settings of doors, people and smoke.")?;
     }
     Ok(ExitCode::SUCCESS)
 }

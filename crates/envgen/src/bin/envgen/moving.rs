@@ -38,22 +38,20 @@ impl Moving {
     ) -> Result<Option<Scenario>, Failure> {
         if let Some(path) = &self.scenario {
             if spec.is_some() {
-                let text = "cannot be used with settings of what moves".to_owned();
+                let text = "cannot be used with scenario settings such as doors=0.5".to_owned();
                 return Err(Failure::Usage(text).about(format!("--scenario {}", path.display())));
             }
             return Ok(Some(read_scenario(path, world)?));
         }
         if let Some(seed) = self.scenario_seed.filter(|_| spec.is_none()) {
-            let text = "applies to settings of what moves such as doors=0.5, but none is set";
+            let text = "applies to scenario settings such as doors=0.5, but none is set";
             let failure = Failure::Usage(text.to_owned());
             return Err(failure.about(format!("--scenario-seed {seed}")));
         }
         let Some(spec) = spec else { return Ok(None) };
         if spec.is_still() {
             if spec != ScenarioSpec::default() {
-                note(
-                    "nothing moves: other settings of what moves need doors, people or smoke above 0",
-                );
+                note("nothing moves: the scenario settings need doors, people or smoke above 0");
             }
             return Ok(None);
         }
