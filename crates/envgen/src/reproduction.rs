@@ -99,7 +99,7 @@ impl fmt::Display for Reproduction {
                 f.write_str("not compared: it says that it was edited after it was generated")
             }
             Reproduction::NoSpec => f.write_str(
-                "not compared: it has no spec and seed (imported, or put together by hand)",
+                "not compared: it has no spec and seed, because it was imported or made by hand",
             ),
         }
     }

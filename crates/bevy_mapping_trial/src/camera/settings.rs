@@ -148,7 +148,7 @@ pub enum CameraError {
     )]
     NoEnvironment,
     /// The world is endless.
-    #[error("a camera sees finite worlds alone, not endless ones")]
+    #[error("a camera needs a finite world, but this one is endless")]
     Endless,
     /// The world has too many triangles.
     #[error("the world has {found} triangles, but a camera can see at most {limit}")]

@@ -58,7 +58,7 @@ pub enum DocumentError {
     World(#[from] WorldEditError),
     /// The change is for the other type of document. Plans have rooms, hallways, doorways and objects in rooms;
     /// other worlds have parts.
-    #[error("this change is of a plan, and the document is another world, or the reverse")]
+    #[error("a change of a plan needs a plan, and a change of parts needs a world of parts")]
     OtherDocument,
 }
 

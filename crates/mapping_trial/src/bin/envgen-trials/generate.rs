@@ -140,7 +140,12 @@ fn text(found: &Verified, request: Request, reachable: Dials<[f64; 2]>) -> Strin
         writeln!(text, "{line}").ok();
     }
     let race = race(request, &found.race);
-    writeln!(text, "measured by {} fresh trials; the race: {race}", measured.trials).ok();
+    writeln!(
+        text,
+        "measured by {} new trials; the candidates in the race: {race}",
+        measured.trials
+    )
+    .ok();
     text
 }
 
