@@ -223,14 +223,17 @@ fn a_trials_own_map_scores_as_its_report_says() {
     let yaml = "image: free.pgm\nresolution: 0.05\norigin: [-20, -20, 0]\nnegate: 0\n\
                 occupied_thresh: 0.65\nfree_thresh: 0.196\n";
     std::fs::write(folder.path().join("free.yaml"), yaml).expect("a file");
-    let warned = |map: &str| {
-        let score = ["score", "--world", "world.json", "--frame", "world", "--map", map];
+    let warned = |map: &str, frame: &str| {
+        let score = ["score", "--world", "world.json", "--frame", frame, "--map", map];
         let output = run(folder.path(), &score);
-        let said = String::from_utf8_lossy(&output.stderr).contains("must be unknown in the map");
-        (output.status.success(), said)
+        assert!(output.status.success(), "{output:?}");
+        let said = |text: &str| String::from_utf8_lossy(&output.stderr).contains(text);
+        (said("must be unknown in the map"), said("check --frame and --start"))
     };
-    assert_eq!(warned("free.yaml"), (true, true));
-    assert_eq!(warned("map.yaml"), (true, false));
+    assert_eq!(warned("free.yaml", "world"), (true, false));
+    assert_eq!(warned("map.yaml", "world"), (false, false));
+    // Of a map in the wrong frame neither walls nor ground are those of the world.
+    assert_eq!(warned("map.yaml", "start"), (false, true));
 
     // The text for people has the same content.
     let output = run(folder.path(), &[&["score", "--world", "world.json"][..], &own].concat());

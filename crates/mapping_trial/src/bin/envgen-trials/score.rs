@@ -28,6 +28,10 @@ use crate::warning::warn;
 /// Least fraction of a map's free cells that have to be ground for no warning.
 const LEAST_GROUND: f64 = 0.5;
 
+/// Least fraction of a map's walls that have to be near true ones for no warning of the frame: in a wrong frame up to
+/// three tenths were.
+const LEAST_PRECISION: f64 = 0.5;
+
 #[derive(Args)]
 #[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct Arguments {
@@ -149,7 +153,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let is_ground = ground_share(&ros_map, &map);
     let trajectory = if robots.is_empty() { None } else { Some(score(&robots, frame)?) };
     spinner.finish_and_clear();
-    if is_ground < LEAST_GROUND {
+    let has_walls = ros_map.cells.contains(&RosCell::Occupied);
+    if has_walls && map.precision_30 < LEAST_PRECISION {
+        warn(&format!(
+            "only {:.0} % of the map's walls are near walls of the world: check --frame and --start, or use --fit if \
+             the frame is known roughly",
+            100.0 * map.precision_30
+        ));
+    } else if is_ground < LEAST_GROUND {
         warn(&format!(
             "only {:.0} % of the map's free cells are ground that the robot can cover: what it has not seen must be \
              unknown in the map, or it counts as covered",
