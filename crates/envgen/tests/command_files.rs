@@ -302,6 +302,7 @@ fn errors_name_the_file_or_the_option() {
             2,
             "error: syntax.ron: not the RON of a world spec such as `Hallway(segments: 80)`, at",
         ),
+        ("generate world.json --out a.svg", 2, "error: world.json: is neither a kind nor a spec"),
         ("generate crowded.ron --out a.svg", 1, "error: crowded.ron: "),
         ("generate forest --out a.xodr", 1, "error: --out a.xodr: the world has no road"),
         ("generate forest --out a.svg --out b.xml", 1, "error: --out b.xml: "),

@@ -72,7 +72,14 @@ impl Source {
     fn unset(&self) -> Result<WorldSpec, Failure> {
         match self.file() {
             Some(path) => Ok(WorldSpec::from_ron(&read(path)?).in_file(path)?),
-            None => Ok(self.what.parse::<WorldKind>()?.default_spec()),
+            None => match self.what.parse::<WorldKind>() {
+                Ok(kind) => Ok(kind.default_spec()),
+                Err(_) if Path::new(&self.what).extension().is_some() => {
+                    let text = "is neither a kind nor a spec file (.ron); for world files use `envgen convert`";
+                    Err(Failure::Usage(text.to_owned()).about(&self.what))
+                }
+                Err(error) => Err(error.into()),
+            },
         }
     }
 
