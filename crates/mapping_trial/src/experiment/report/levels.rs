@@ -29,7 +29,7 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Result<Markup, Ex
             "Figure 7 (a) of the paper, with new data. Bars are intervals of 95 % of the levels' means \
              (Student's t over maps). People's ratings and measured scores share the scale from 0 to 10 \
              and its ends (nothing forces an error; the map cannot be navigated), not its unit: shapes \
-             can be compared, heights only with care."
+             can be compared, but heights only with care."
         }
         @if design.levels.len() >= 3 {
             h2 { "The order of three maps" }

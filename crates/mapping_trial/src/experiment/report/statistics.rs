@@ -17,10 +17,10 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
             p.note {
                 @match part.critical_rho {
                     Some(rho) => {
-                        "A rank correlation counts from " (number(rho, 2))
-                        " on, a greater one where values are equal: chance alone gives as much in 5 % of cases."
+                        "A rank correlation is significant from " (number(rho, 2))
+                        " on, or from a greater one if values are equal: chance alone gives as much in 5 % of cases."
                     }
-                    None => { "No rank correlation counts: chance alone gives any in more than 5 % of cases." }
+                    None => { "No rank correlation is significant: chance alone gives any in more than 5 % of cases." }
                 }
             }
             (orders(part))

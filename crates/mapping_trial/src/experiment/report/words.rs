@@ -138,12 +138,12 @@ fn blame(analysis: &Analysis, measure: usize) -> String {
     let helping = if helping.is_empty() {
         " No rule can be shown to make maps more difficult with the level.".to_owned()
     } else {
-        format!(" What works with the level: {}.", list(&helping))
+        format!(" Rules that work with the level: {}.", list(&helping))
     };
     if blamed.is_empty() {
         format!(" No rule can be shown to work against the level.{helping}")
     } else {
-        format!(" To blame: {}.{helping}", list(&blamed))
+        format!(" Rules to blame: {}.{helping}", list(&blamed))
     }
 }
 
@@ -204,7 +204,7 @@ fn beside_the_paper(design: &Design, analysis: &Analysis) -> Markup {
         }
         @if let Some(rho) = replay.orders[0].rho {
             " That of D is " (number(rho.value, 2)) ", which "
-            (if replay.orders[0].counts() { "counts" } else { "does not count" }) "."
+            (if replay.orders[0].counts() { "is significant" } else { "is not significant" }) "."
         }
         @if design.levels.len() < 3 { " Two levels make no triples of maps." }
     }
