@@ -304,6 +304,11 @@ fn errors_name_the_file_or_the_option() {
         ),
         ("generate world.json --out a.svg", 2, "error: world.json: is neither a kind nor a spec"),
         ("generate crowded.ron --out a.svg", 1, "error: crowded.ron: "),
+        (
+            "generate indoor --set profile=calibrated --set difficulty=0 --out a.svg",
+            2,
+            "error: --set difficulty=0: `difficulty` must be from ",
+        ),
         ("generate forest --out a.xodr", 1, "error: --out a.xodr: the world has no road"),
         ("generate forest --out a.svg --out b.xml", 1, "error: --out b.xml: "),
         ("generate indoor --library none.xml --out a.svg", 1, "error: none.xml: No such file"),

@@ -31,7 +31,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
         arguments.writing.begin(&[source.inputs(), arguments.moving.inputs()].concat())?;
     let steps = steps(1 + files.count());
     steps.begin(format!("generating a world of the kind {}", spec.kind()));
-    let blueprint = spec.generate(source.seed).map_err(|error| source.name(error.into()))?;
+    let blueprint =
+        spec.generate(source.seed).map_err(|error| source.ungenerated(spec.kind(), error))?;
     let world = blueprint.to_world();
     files.scenario = arguments.moving.scenario(&world, moving, source.seed)?;
     files.write(&world, Some(&blueprint), &steps)?;

@@ -107,8 +107,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
             }
             // Some specs have no blueprint for some seeds: the other seeds are still sampled.
             Err(error) => {
-                if let failure @ Failure::Usage(_) = Failure::from(error.clone()) {
-                    return Err(source.name(failure));
+                if let Failure::Usage(_) = Failure::from(error.clone()) {
+                    return Err(source.ungenerated(spec.kind(), error));
                 }
                 failures += 1;
                 if failures <= NAMED_FAILURES {

@@ -10,7 +10,9 @@ use envgen::indoor::world_generator::{HALLWAY, LibraryRoom};
 use envgen::indoor::{Catalogue, PlacedRoom};
 use envgen::located::Locate;
 use envgen::scenario::ScenarioSpec;
-use envgen::{Blueprint, Seed, SettingsError, SpecError, World, WorldKind, WorldSpec};
+use envgen::{
+    Blueprint, GenerateError, Seed, SettingsError, SpecError, World, WorldKind, WorldSpec,
+};
 
 use crate::failure::{Failure, print_line};
 
@@ -108,7 +110,15 @@ impl Source {
         inputs
     }
 
-    /// A failure to generate, which names the spec file where there is one.
+    /// A failure to generate, which names the options of a setting that is not allowed, or else the spec file.
+    pub(crate) fn ungenerated(&self, kind: WorldKind, error: GenerateError) -> Failure {
+        match (error, self.settings(kind)) {
+            (GenerateError::Spec(error), Ok(settings)) => self.blame(error, &settings),
+            (error, _) => self.name(error.into()),
+        }
+    }
+
+    /// A failure, which names the spec file where there is one.
     pub(crate) fn name(&self, failure: Failure) -> Failure {
         match self.file() {
             Some(path) => failure.about(path.display()),
