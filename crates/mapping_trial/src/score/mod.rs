@@ -6,6 +6,7 @@
 mod alignment;
 mod error;
 mod fit;
+mod kendall;
 mod map_scores;
 mod navigability;
 mod parts;
@@ -24,6 +25,7 @@ mod weights;
 pub use self::alignment::alignment;
 pub use self::error::ScoreError;
 pub use self::fit::fit;
+pub use self::kendall::kendall_tau;
 pub use self::map_scores::{MapScores, TrajectoryScores};
 pub use self::parts::Parts;
 pub use self::reference::Reference;
@@ -33,7 +35,7 @@ pub use self::score_1::Score1;
 pub use self::scores::{MovingScores, Scores};
 pub use self::swept::SweptCells;
 pub use self::trajectory_pair::TrajectoryPair;
-pub use self::weights::{Difficulties, Sensitivity, Weights, kendall_tau, sensitivity};
+pub use self::weights::{Difficulties, Sensitivity, Weights, sensitivity};
 
 #[cfg(test)]
 mod tests;

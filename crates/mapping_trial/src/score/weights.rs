@@ -1,11 +1,10 @@
 //! The weights of the parts of scores, and how a ranking depends on them.
 
-use std::cmp::Ordering;
-
 use envgen::SpecError;
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize, Serializer};
 
+use super::kendall::{by_value, kendall_tau};
 use super::parts::Parts;
 
 /// The weights of the parts of scores. The default weights are those of [`Scores`](super::Scores).
@@ -220,7 +219,7 @@ fn name_in_files(weight: &str) -> &str {
 }
 
 /// Ranks trials by D, with each weight in turn multiplied by 0.5 and by 1.5, and compares this with the
-/// ranking by the given weights. It takes O(n^2) time for n trials.
+/// ranking by the given weights.
 ///
 /// ```
 /// use mapping_trial::score::{Parts, Weights, sensitivity};
@@ -258,42 +257,6 @@ pub fn sensitivity(trials: &[Parts], weights: Weights) -> Vec<Sensitivity> {
     found
 }
 
-/// Returns Kendall's rank correlation tau-b (Kendall, Biometrika 33, 1945,
-/// <https://doi.org/10.1093/biomet/33.3.239>), which allows for ties; `None` for lists of different
-/// lengths, if all values of one list are equal, or if one is NaN. It takes O(n^2) time.
-///
-/// ```
-/// use mapping_trial::score::kendall_tau;
-///
-/// // Of six pairs, one is in the other order.
-/// let tau = kendall_tau(&[1.0, 2.0, 3.0, 4.0], &[1.0, 3.0, 2.0, 4.0]);
-/// assert!(tau.is_some_and(|tau| (tau - 4.0 / 6.0).abs() < 1e-12));
-/// assert_eq!(kendall_tau(&[1.0, 1.0], &[1.0, 2.0]), None);
-/// ```
-pub fn kendall_tau(a: &[f64], b: &[f64]) -> Option<f64> {
-    if a.len() != b.len() || a.iter().chain(b).any(|value| value.is_nan()) {
-        return None;
-    }
-    let (mut score, mut untied_a, mut untied_b) = (0_i64, 0_i64, 0_i64);
-    for i in 0..a.len() {
-        for j in 0..i {
-            let order = |x: &[f64]| by_value(x[i], x[j]) as i64;
-            let (in_a, in_b) = (order(a), order(b));
-            score += in_a * in_b;
-            untied_a += in_a * in_a;
-            untied_b += in_b * in_b;
-        }
-    }
-    let norm = (untied_a as f64 * untied_b as f64).sqrt();
-    (norm > 0.0).then(|| score as f64 / norm)
-}
-
-/// Compares numbers, of which -0 and 0 are equal. NaN has a place of its own.
-fn by_value(a: f64, b: f64) -> Ordering {
-    // Adding 0 makes -0 the 0 that it is equal to.
-    (a + 0.0).total_cmp(&(b + 0.0))
-}
-
 fn most_places(a: &[f64], b: &[f64]) -> usize {
     let places = |values: &[f64]| {
         let mut order: Vec<usize> = (0..values.len()).collect();
@@ -313,62 +276,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tau_counts_pairs() {
-        assert_eq!(kendall_tau(&[1.0, 2.0, 3.0], &[10.0, 20.0, 30.0]), Some(1.0));
-        assert_eq!(kendall_tau(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0]), Some(-1.0));
-        // One of six pairs in the wrong order.
-        let tau = kendall_tau(&[1.0, 2.0, 3.0, 4.0], &[1.0, 3.0, 2.0, 4.0]).unwrap();
-        assert!((tau - 4.0 / 6.0).abs() < 1e-12);
-        // One tie: 5 concordant of sqrt(6 * 5).
-        let tau = kendall_tau(&[1.0, 2.0, 3.0, 4.0], &[1.0, 2.0, 2.0, 4.0]).unwrap();
-        assert!((tau - 5.0 / 30.0_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(kendall_tau(&[1.0, 2.0], &[1.0, 1.0]), None);
-        assert_eq!(kendall_tau(&[1.0], &[1.0, 2.0]), None);
-    }
-
-    #[test]
-    fn zeros_are_equal_whatever_their_sign() {
-        assert_eq!(kendall_tau(&[0.0, -0.0], &[1.0, 2.0]), None);
-        assert_eq!(kendall_tau(&[0.0, -0.0, 1.0], &[-0.0, 0.0, 1.0]), Some(1.0));
+    fn zeros_have_the_same_place_whatever_their_sign() {
         assert_eq!(most_places(&[0.0, -0.0, 1.0], &[0.0, 0.0, 1.0]), 0);
-    }
-
-    /// Numbers with many ties, and now and then NaN.
-    fn number() -> impl Strategy<Value = f64> {
-        prop_oneof![
-            6 => (-3..3_i32).prop_map(f64::from),
-            2 => any::<f64>(),
-            1 => prop::sample::select(vec![-0.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN]),
-        ]
-    }
-
-    proptest! {
-        #[test]
-        fn tau_is_that_of_the_pairs_by_value(
-            pairs in prop::collection::vec((number(), number()), 0..12),
-        ) {
-            let (a, b): (Vec<f64>, Vec<f64>) = pairs.iter().copied().unzip();
-            let found = kendall_tau(&a, &b);
-            if a.iter().chain(&b).any(|value| value.is_nan()) {
-                prop_assert_eq!(found, None);
-                return Ok(());
-            }
-            // The signs of the differences of all pairs.
-            let sign = |x: f64, y: f64| f64::from(i8::from(x > y) - i8::from(x < y));
-            let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
-            for i in 0..pairs.len() {
-                for j in 0..i {
-                    let (one, two) = (sign(a[i], a[j]), sign(b[i], b[j]));
-                    (ab, aa, bb) = (ab + one * two, aa + one * one, bb + two * two);
-                }
-            }
-            let norm = (aa * bb).sqrt();
-            prop_assert_eq!(found, (norm > 0.0).then(|| ab / norm));
-            // The sign of zeros changes nothing.
-            let flipped: Vec<f64> = a.iter().map(|&x| if x == 0.0 { -x } else { x }).collect();
-            prop_assert_eq!(kendall_tau(&flipped, &b), found);
-            prop_assert_eq!(most_places(&flipped, &a), 0);
-        }
     }
 
     #[test]
