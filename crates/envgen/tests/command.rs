@@ -37,8 +37,15 @@ fn failure(arguments: &[&str]) -> (i32, String) {
 fn every_kind_is_listed_with_its_settings() {
     let output = run(&["kinds"]);
     let text = String::from_utf8(output.stdout).unwrap();
-    let json: Value = serde_json::from_slice(&run(&["kinds", "--json"]).stdout).unwrap();
-    for kind in json.as_array().unwrap() {
+    let listed = |arguments: &[&str]| -> Vec<Value> {
+        serde_json::from_slice(&run(arguments).stdout).unwrap()
+    };
+    let kinds = listed(&["kinds", "--json"]);
+    // Those of doors, people and smoke, which are of no kind of worlds.
+    assert!(kinds.iter().all(|kind| kind["kind"] != "scenario"));
+    let scenario = listed(&["kinds", "scenario", "--json"]);
+    assert!(scenario[0]["settings"].as_array().unwrap().iter().any(|s| s["name"] == "people"));
+    for kind in kinds.iter().chain(&scenario) {
         assert!(text.contains(&format!("{}: ", kind["kind"].as_str().unwrap())));
         for setting in kind["settings"].as_array().unwrap() {
             assert!(text.contains(setting["name"].as_str().unwrap()));

@@ -17,37 +17,46 @@ pub(crate) struct Arguments {
     #[arg(long)]
     json: bool,
 
-    /// Lists only this kind.
+    /// Lists only this kind, or the settings of doors, people and smoke with `scenario`.
     kind: Option<String>,
 }
 
+/// The name by which the settings of doors, people and smoke are listed alone.
+const SCENARIO: &str = "scenario";
+
+/// What a scenario is.
+const SCENARIO_SUMMARY: &str = "doors, people and smoke, for `generate` with any kind";
+
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
+    let is_scenario = arguments.kind.as_deref() == Some(SCENARIO);
     let kinds = match &arguments.kind {
+        Some(_) if is_scenario => Vec::new(),
         Some(name) => vec![name.parse()?],
         None => WorldKind::ALL.to_vec(),
     };
     let mut out = io::stdout().lock();
     if arguments.json {
-        let list: Vec<Value> = kinds.iter().map(|kind| describe(*kind)).collect();
+        let mut list: Vec<Value> = kinds.iter().map(|kind| describe(*kind)).collect();
+        if is_scenario {
+            list.push(describe_scenario());
+        }
         serde_json::to_writer_pretty(&mut out, &list)?;
         writeln!(out)?;
         return Ok(ExitCode::SUCCESS);
     }
-    for (i, kind) in kinds.into_iter().enumerate() {
-        if i > 0 {
-            writeln!(out)?;
-        }
+    for kind in kinds {
         writeln!(out, "{kind}: {}", kind.summary())?;
         list(kind.settings(), &kind.default_spec().settings_json(), &mut out)?;
         for rule in kind.rules() {
             writeln!(out, "  together: {rule}")?;
         }
+        writeln!(out)?;
     }
-    if arguments.kind.is_none() {
-        writeln!(out, "\nscenario, for `generate` with any kind: doors, people and smoke.")?;
+    if is_scenario || arguments.kind.is_none() {
+        writeln!(out, "{SCENARIO}: {SCENARIO_SUMMARY}")?;
         list(ScenarioSpec::SETTINGS, &ScenarioSpec::default().settings_json(), &mut out)?;
     } else {
-        writeln!(out, "\n`envgen kinds` also lists the settings of doors, people and smoke.")?;
+        writeln!(out, "`envgen kinds {SCENARIO}` lists the settings of doors, people and smoke.")?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -78,28 +87,38 @@ fn list(settings: &'static [Setting], defaults: &Value, out: &mut impl Write) ->
 }
 
 fn describe(kind: WorldKind) -> Value {
-    let defaults = kind.default_spec().settings_json();
-    let settings: Vec<Value> = kind
-        .settings()
-        .iter()
-        .map(|setting| {
-            json!({
-                "name": setting.name,
-                "alias": setting.alias,
-                "unit": setting.unit,
-                "allowed": setting.allowed_text(),
-                "default": defaults[setting.name],
-                "help": setting.help,
-                "example": setting.example,
-                "group": setting.group,
-            })
-        })
-        .collect();
     json!({
         "kind": kind,
         "summary": kind.summary(),
         "value_version": kind.value_version(),
-        "settings": settings,
+        "settings": describe_settings(kind.settings(), &kind.default_spec().settings_json()),
         "rules": kind.rules(),
     })
+}
+
+/// Describes scenarios, which have no value version: a scenario file holds all that is drawn.
+fn describe_scenario() -> Value {
+    let defaults = ScenarioSpec::default().settings_json();
+    json!({
+        "kind": SCENARIO,
+        "summary": SCENARIO_SUMMARY,
+        "settings": describe_settings(ScenarioSpec::SETTINGS, &defaults),
+        "rules": [],
+    })
+}
+
+fn describe_settings(settings: &[Setting], defaults: &Value) -> Vec<Value> {
+    let describe = |setting: &Setting| {
+        json!({
+            "name": setting.name,
+            "alias": setting.alias,
+            "unit": setting.unit,
+            "allowed": setting.allowed_text(),
+            "default": defaults[setting.name],
+            "help": setting.help,
+            "example": setting.example,
+            "group": setting.group,
+        })
+    };
+    settings.iter().map(describe).collect()
 }
