@@ -4,10 +4,11 @@ use glam::DVec2;
 
 use crate::cellular::CheapestPaths;
 use crate::clearance_index::ClearanceIndex;
-use crate::geometry::Shape;
+use crate::geometry::{Shape, edges};
 use crate::grid::GridFrame;
+use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::surface_index::{Ground, SurfaceIndex};
-use crate::world::World;
+use crate::world::{Obstacle, ObstacleKind, World};
 
 /// Radius in metres of the robot for which lanes must be free.
 const ROBOT_RADIUS: f64 = 0.3;
@@ -24,6 +25,9 @@ const BEYOND: f64 = 1.0;
 
 /// Number of cells to each side in which a lane may begin or end.
 const AROUND: isize = 2;
+
+/// The sides of polygons with more corners than this are indexed one by one, because a query reads whole shapes.
+const MOST_CORNERS: usize = 64;
 
 /// The lanes from a start.
 pub(super) struct Lanes {
@@ -50,7 +54,11 @@ impl Lanes {
         let frame = GridFrame { origin: world.bounds.min, cell_size: side, cols, rows };
         // So much room around the middles of two neighbours keeps the line between them free.
         let room = (ROBOT_RADIUS * ROBOT_RADIUS + 0.5 * side * side).sqrt();
-        let solids = ClearanceIndex::new(world, room + BEYOND).ok()?;
+        let large = Large::of(world, frame);
+        let solids = large.as_ref().map_or(world, |large| &large.outlines);
+        let solids = ClearanceIndex::new(solids, room + BEYOND).ok()?;
+        let is_inside =
+            |cell: usize| large.as_ref().is_some_and(|large| large.inside.cells()[cell]);
         let ground =
             FreeGround { frame, solids, surfaces: SurfaceIndex::of(world, Ground::is_barrier) };
         let is_firm_everywhere = ground.surfaces.is_plain();
@@ -60,7 +68,9 @@ impl Lanes {
         let is_blocked = |cell: usize| {
             let p = frame.center_of(cell);
             let is_barred = |&arm: &DVec2| ground.surfaces.barrier_along(p - arm, p + arm).0;
-            ground.solids.clearance(p) < room || (!is_firm_everywhere && arms.iter().any(is_barred))
+            ground.solids.clearance(p) < room
+                || is_inside(cell)
+                || (!is_firm_everywhere && arms.iter().any(is_barred))
         };
         let blocked: Vec<bool> = (0..frame.len()).map(is_blocked).collect();
         let first = ground.cell_near(start, |cell| !blocked[cell])?;
@@ -121,6 +131,41 @@ impl Lanes {
     /// Returns the cell at which the lane to a point ends.
     fn end(&self, goal: DVec2) -> Option<usize> {
         self.ground.cell_near(goal, |cell| self.paths.reaches(cell))
+    }
+}
+
+/// The solids of a world with polygons of very many corners.
+struct Large {
+    /// The solids, with the sides of these polygons in their place. A line between a point outside of a polygon and
+    /// one inside meets a side.
+    outlines: World,
+    /// The cells whose middles these polygons cover.
+    inside: OccupancyGrid,
+}
+
+impl Large {
+    /// Returns the solids of a world; `None` if no polygon has very many corners.
+    fn of(world: &World, frame: GridFrame) -> Option<Self> {
+        let is_large = |shape: &Shape| matches!(shape, Shape::Polygon { vertices } if vertices.len() > MOST_CORNERS);
+        if !world.solids().any(|solid| is_large(&solid.shape)) {
+            return None;
+        }
+        let mut outlines = World::new(world.provenance.clone(), world.bounds);
+        let cells = vec![false; frame.len()];
+        let inside = OccupancyGrid::from_cells(frame.origin, frame.cell_size, frame.cols, cells);
+        let mut inside = inside.ok()?;
+        for solid in world.solids() {
+            let mut add =
+                |shape| outlines.obstacles.push(Obstacle::new(ObstacleKind::Other, shape));
+            match &*solid.shape {
+                shape @ Shape::Polygon { vertices } if is_large(shape) => {
+                    inside.occupy(shape, Coverage::Centre);
+                    edges(vertices).for_each(|(a, b)| add(Shape::Segment { a, b }));
+                }
+                shape => add(shape.clone()),
+            }
+        }
+        Some(Large { outlines, inside })
     }
 }
 

@@ -1,11 +1,13 @@
 //! Worlds as buildings of Open-RMF.
 
-use envgen::geometry::{Pose, Rect, Shape};
+use envgen::geometry::{Pose, Rect, Shape, unit_vector};
 use envgen::glam::DVec2;
 use envgen::hallway::HallwaySpec;
 use envgen::import::read_geojson;
 use envgen::indoor::IndoorSpec;
-use envgen::world::{Doorway, Surface, SurfaceKind, Wall, WallKind};
+use envgen::world::{
+    Contents, Doorway, Obstacle, ObstacleKind, Room, Surface, SurfaceKind, Wall, WallKind,
+};
 use envgen::{Blueprint, Provenance, Seed, Spec, World, WorldKind};
 use serde_json::Value;
 
@@ -159,4 +161,43 @@ fn turned_polygons_are_centre_lines_and_doors() {
         let is_same = |[c, d]: [DVec2; 2]| a.distance(c).max(b.distance(d)) < 1e-9;
         assert!(is_same(after[0]) || is_same([after[0][1], after[0][0]]), "{name}: {after:?}");
     }
+}
+
+#[test]
+fn lanes_around_a_lake_of_thousands_of_corners_are_written_at_once() {
+    let corners = |count: u32| -> Vec<DVec2> {
+        let corner = |i: u32| {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(count);
+            (50.0 + unit_vector(20.0 * angle).y) * unit_vector(angle)
+        };
+        (0..count).map(corner).collect()
+    };
+    let lanes = |count: u32| {
+        let bounds = Rect::new(DVec2::splat(-60.0), DVec2::splat(60.0));
+        let mut world = World::new(Provenance::other("manual", Value::Null), bounds);
+        let vertices = corners(count);
+        world.obstacles.push(Obstacle::new(ObstacleKind::Other, Shape::Polygon { vertices }));
+        world.start = Some(Pose::new(-58.0, 0.0, 0.0));
+        world.goal = Some(Pose::new(58.0, 0.0, 0.0));
+        // A room inside the lake cannot be reached.
+        let within = Rect::new(DVec2::splat(-5.0), DVec2::splat(5.0));
+        world.rooms.push(Room {
+            name: "island".to_owned(),
+            shape: Shape::from_rect(within),
+            difficulty: None,
+            lit: true,
+            contents: Contents::AsDesigned,
+            height: None,
+        });
+        let lanes = Building::of(&world).edges("lanes");
+        for [a, b] in &lanes {
+            for step in 0..=100 {
+                let at = a.lerp(*b, f64::from(step) / 100.0);
+                assert!(world.clearance(at) >= 0.3 - 1e-9, "{count}: {at}");
+            }
+        }
+        lanes.iter().map(|[a, b]| a.distance(*b)).sum::<f64>()
+    };
+    let (few, many) = (lanes(60), lanes(6000));
+    assert!((150.0..200.0).contains(&few) && (few - many).abs() < 2.0, "{few} m, {many} m");
 }
