@@ -113,6 +113,25 @@ fn outlines_that_are_not_convex_are_several_meshes_for_mujoco() {
 }
 
 #[test]
+fn meshes_of_distant_worlds_are_in_their_place() {
+    // Single precision has no whole number between 30,000,004 and 30,000,006.
+    let world = with_polygon(&[
+        (20_000_001., 30_000_004.),
+        (20_000_005., 30_000_004.),
+        (20_000_005., 30_000_006.),
+    ]);
+    let file = write(&world, "glb");
+    let (json, _) = chunks(&file);
+    let nodes = json["nodes"].as_array().unwrap();
+    let place = |name: &str| -> Vec<f64> {
+        let node = nodes.iter().find(|node| node["name"] == name).unwrap();
+        serde_json::from_value(node["translation"].clone()).unwrap()
+    };
+    let (top, obstacle) = (place("world"), place("obstacle_0"));
+    assert_eq!([top[0] + obstacle[0], -top[2] - obstacle[2]], [20_000_003.0, 30_000_005.0]);
+}
+
+#[test]
 fn worlds_without_start_and_with_wrong_outlines() {
     let world = with_polygon(&[(1., 1.), (5., 5.), (5., 1.), (1., 5.)]);
     assert!(named(&elements(&write(&world, "sdf")), "frame").is_empty());

@@ -36,7 +36,8 @@ const TRIANGLES: u32 = 3;
 /// Writes a world.
 pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
     let mut file = File::default();
-    let origin = world.bounds.center().round();
+    // Beyond 2^24 m, single precision does not have every whole number.
+    let origin = world.bounds.center().round().as_vec2().as_dvec2();
     let mut children = Vec::new();
     for piece in pieces(world) {
         let mesh = Mesh::of(&piece)?;
