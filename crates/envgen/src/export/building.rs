@@ -8,13 +8,13 @@
 //! and doors state their `bottom` and `top` in metres, which RMF's tools ignore: their walls are 2.5 m high.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::io::{self, BufWriter, Write};
 
 use glam::DVec2;
 
 use super::error::ExportError;
 use super::lanes::Lanes;
+use super::yaml::quoted;
 use crate::geometry::{Shape, edges, regular_polygon};
 use crate::world::{PartId, PartKind, World};
 
@@ -35,7 +35,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     plan.add_walls(world);
     plan.add_doors(world);
     let floor = plan.ring(&Shape::from_rect(world.bounds).corners());
-    let name = text(&world.provenance.name());
+    let name = quoted(&world.provenance.name());
     let provenance = serde_json::to_string(&world.provenance).map_err(io::Error::from)?;
     writeln!(out, "coordinate_system: cartesian_meters\ncrowd_sim: {{}}\ngraphs: {{}}")?;
     writeln!(out, "levels:\n  L1:")?;
@@ -51,29 +51,8 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     list(&mut out, "vertices", &plan.vertices)?;
     list(&mut out, "walls", &plan.walls)?;
     writeln!(out, "lifts: {{}}\nmap_version: 2\nname: {name}")?;
-    writeln!(out, "parameters:\n  provenance: [1, {}]", text(&provenance))?;
+    writeln!(out, "parameters:\n  provenance: [1, {}]", quoted(&provenance))?;
     Ok(out.flush()?)
-}
-
-/// Quotes a text in double quotes, with the escapes of JSON.
-fn text(text: &str) -> String {
-    // JSON's strings are those of YAML but for characters that YAML does not print.
-    let json = serde_json::Value::from(text).to_string();
-    let is_printed = |c: char| {
-        !matches!(
-            c,
-            '\u{7f}'..='\u{9f}' | '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}'
-        )
-    };
-    let mut escaped = String::with_capacity(json.len());
-    for c in json.chars() {
-        if is_printed(c) {
-            escaped.push(c);
-        } else {
-            write!(escaped, "\\u{:04x}", u32::from(c)).ok();
-        }
-    }
-    escaped
 }
 
 fn list(out: &mut dyn Write, name: &str, items: &[String]) -> io::Result<()> {
@@ -108,7 +87,7 @@ impl Plan {
 
     /// Adds a separate vertex with a name.
     fn named(&mut self, at: DVec2, name: &str, parameters: &str) -> usize {
-        let entry = format!("[{}, {}, 0, {}, {{{parameters}}}]", at.x, at.y, text(name));
+        let entry = format!("[{}, {}, 0, {}, {{{parameters}}}]", at.x, at.y, quoted(name));
         self.vertices.push(entry);
         self.vertices.len() - 1
     }

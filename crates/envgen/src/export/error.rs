@@ -35,6 +35,12 @@ pub enum ExportError {
         /// The feature of the crate that the format needs.
         feature: &'static str,
     },
+    /// The name of a file to which another file of the format refers is not text.
+    #[error("the name of `{path}` must be UTF-8, because another file of this format contains it")]
+    Name {
+        /// The file's name.
+        path: PathBuf,
+    },
     /// Writing failed.
     #[error(transparent)]
     Io(#[from] io::Error),

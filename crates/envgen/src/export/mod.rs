@@ -56,6 +56,7 @@ mod sdf;
 mod usd;
 #[cfg(any(feature = "mjcf", feature = "opendrive", feature = "sdf"))]
 mod xml;
+mod yaml;
 
 pub use asc::write_asc;
 pub use error::ExportError;

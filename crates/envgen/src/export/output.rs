@@ -43,7 +43,8 @@ impl Output {
     /// Returns the files for the requested names.
     ///
     /// # Errors
-    /// For unknown endings, for files that are named twice, and for files that are inputs.
+    /// For unknown endings, for files that are named twice, for files that are inputs, and for names that are not
+    /// UTF-8 of formats whose files name each other.
     pub fn all(asked: &[PathBuf], inputs: &[PathBuf]) -> Result<Vec<Output>, Located<OutputError>> {
         let mut outputs: Vec<Output> = Vec::new();
         for asked in asked {
@@ -65,6 +66,10 @@ impl Output {
     /// Returns the files of the format that the ending of a name selects.
     fn of(asked: &Path) -> Result<Vec<Output>, ExportError> {
         let format = Format::from_path(asked)?;
+        if format.files().len() > 1 && asked.file_name().is_some_and(|name| name.to_str().is_none())
+        {
+            return Err(ExportError::Name { path: asked.to_owned() });
+        }
         let files = format.files().iter().enumerate().map(|(i, &(ending, write))| {
             // The first file keeps the name as it was given, capitals and all.
             let path = if i == 0 { asked.to_owned() } else { asked.with_extension(ending) };
@@ -132,4 +137,23 @@ pub fn write_whole(job: &Job<'_>, path: &Path) -> Result<Vec<PathBuf>, Located<O
     }
     commit_all(files).map_err(|Located { place, error }| Located { place, error: error.into() })?;
     Ok(outputs.into_iter().map(|output| output.path).collect())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    use super::*;
+
+    #[test]
+    fn files_that_name_each_other_have_names_in_utf_8() {
+        let asked = |name: &[u8]| {
+            let outputs = Output::all(&[PathBuf::from(OsStr::from_bytes(name))], &[]);
+            outputs.map_err(|error| error.to_string())
+        };
+        let error = asked(b"a\xff.yaml").unwrap_err();
+        assert!(error.contains("must be UTF-8") && error.contains("a\u{fffd}.yaml"), "{error}");
+        assert!(asked(b"a\xff.ron").is_ok() && asked("\u{e4}.yaml".as_bytes()).is_ok());
+    }
 }

@@ -7,6 +7,7 @@ use std::io::{self, Write};
 
 use glam::DVec2;
 
+use super::yaml::quoted;
 use crate::flood::flood;
 use crate::generate::Spec;
 use crate::geometry::{Pose, Shape, edges};
@@ -234,9 +235,7 @@ pub(super) fn write_description(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let Pose { position, heading } = origin;
-    // JSON's strings are valid in YAML, whatever the name holds.
-    let image = serde_json::to_string(image)?;
-    writeln!(out, "image: {image}")?;
+    writeln!(out, "image: {}", quoted(image))?;
     writeln!(out, "mode: trinary")?;
     writeln!(out, "resolution: {resolution:?}")?;
     writeln!(out, "origin: [{:?}, {:?}, {heading:?}]", position.x, position.y)?;

@@ -92,9 +92,9 @@ impl From<GenerateError> for Failure {
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
         match error {
-            ExportError::UnknownEnding { .. } | ExportError::Feature { .. } => {
-                Failure::Usage(error.to_string())
-            }
+            ExportError::UnknownEnding { .. }
+            | ExportError::Feature { .. }
+            | ExportError::Name { .. } => Failure::Usage(error.to_string()),
             ExportError::Io(error) => error.into(),
             other => Failure::Failed(other.to_string()),
         }

@@ -271,3 +271,15 @@ proptest! {
         let _ = RosDescription::from_yaml(&format!("{YAML}{text}"));
     }
 }
+
+#[test]
+fn every_name_of_an_image_comes_back() {
+    let map = map_of(&["###"]);
+    for name in ["a b.pgm", "a\u{7f}.pgm", "a\u{85}b.pgm", "\u{feff}a.pgm", "a\u{2028}\n\"#: .pgm"]
+    {
+        let mut yaml = Vec::new();
+        map.write_yaml(name, &mut yaml).unwrap();
+        assert_eq!(description(std::str::from_utf8(&yaml).unwrap()).image, name);
+        assert!(yaml.is_ascii(), "{name:?}");
+    }
+}
