@@ -46,6 +46,11 @@ pub(super) fn write(
     resolution: Option<f64>,
     out: &mut dyn Write,
 ) -> Result<(), ExportError> {
+    // The stem of `a.house.json` is `a.house`.
+    let id = match id.rsplit_once('.') {
+        Some((name, ending)) if ending.eq_ignore_ascii_case("house") => name,
+        _ => id,
+    };
     let side = resolution.unwrap_or_else(|| usual_resolution(world));
     size_in_cells(world, side)?;
     let grid = OccupancyGrid::of(world, side, Coverage::Conservative)?;

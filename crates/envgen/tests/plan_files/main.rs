@@ -366,6 +366,18 @@ fn houses_hold_the_outline_of_free_ground() {
     assert_eq!(read.walls.len(), 4);
 }
 
+#[test]
+fn the_id_of_a_house_is_the_name_of_its_file() {
+    let world = small();
+    for (name, id) in [("b/0004d5.house.json", "0004d5"), ("A.b.HOUSE.json", "A.b")] {
+        let path = Path::new(name);
+        let mut file = Vec::new();
+        Format::from_path(path).unwrap().write(&Job::for_path(&world, path), &mut file).unwrap();
+        let house: Value = serde_json::from_slice(&file).unwrap();
+        assert_eq!(house["id"], id);
+    }
+}
+
 /// Whether a polygon's border is crossed an odd number of times on the right of a point.
 fn is_inside(verts: &[DVec2], p: DVec2) -> bool {
     let sides = verts.iter().zip(verts.iter().cycle().skip(1));
