@@ -11,8 +11,8 @@ use crate::file;
 const NO_DATA: f64 = -9999.0;
 
 /// Reads an ESRI ASCII grid of whole numbers: `ncols`, `nrows`, `xllcorner` or `xllcenter`, `yllcorner` or
-/// `yllcenter`, `cellsize` and, optionally, `NODATA_value`; then the values, with the top row first. Source: ESRI
-/// ASCII raster format, `ArcGIS` documentation.
+/// `yllcenter`, `cellsize` and, optionally, `NODATA_value`, which may be `nan`; then the values, with the top row
+/// first. Source: ESRI ASCII raster format, `ArcGIS` documentation.
 ///
 /// ```
 /// use envgen::glam::DVec2;
@@ -48,7 +48,7 @@ pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
         let value: f64 = word
             .parse()
             .ok()
-            .filter(|value: &f64| value.is_finite())
+            .filter(|value: &f64| value.is_finite() || key == "nodata_value")
             .ok_or_else(|| wrong(number, format!("`{key}` must be a number, got `{word}`")))?;
         let whole = || {
             let wrong = || wrong(number, format!("`{key}` must be a whole number, got `{word}`"));
@@ -82,7 +82,7 @@ pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
             let value: f64 = word
                 .parse()
                 .map_err(|_| wrong(number, format!("expected a number, got `{word}`")))?;
-            values.push(if value == no_data {
+            values.push(if value == no_data || (value.is_nan() && no_data.is_nan()) {
                 None
             } else if value.fract() == 0.0 && value.abs() < 9e15 {
                 Some(value as i64)
@@ -113,6 +113,14 @@ mod tests {
         assert_eq!((raster.rows, raster.cols, raster.cell), (2, 3, 1.0));
         assert_eq!(raster.origin, DVec2::new(10.0, 20.0));
         assert_eq!((raster.cells, labels), (vec![1, 2, 0, 3, 3, 1], None));
+    }
+
+    #[test]
+    fn no_data_can_be_no_number() {
+        // As GDAL writes rasters of numbers with a point.
+        let text = GRID.replace("NODATA_value -1\n1 2 -1", "NODATA_value  nan\n nan 2.0 NaN");
+        let raster = read_asc(&mut text.as_bytes()).unwrap().raster;
+        assert_eq!(raster.cells, [0, 2, 0, 3, 3, 1]);
     }
 
     #[test]

@@ -104,9 +104,20 @@ pub struct RosDescription {
     pub occupied_thresh: f64,
     /// Probability of occupancy below which a cell is free.
     pub free_thresh: f64,
-    /// The conversion of greys into occupancy.
-    #[serde(default)]
+    /// The conversion of greys into occupancy, in upper or lower case.
+    #[serde(default, deserialize_with = "mode")]
     pub mode: RosMode,
+}
+
+/// Reads a mode, whose capitals Nav2 ignores.
+fn mode<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<RosMode, D::Error> {
+    let word = String::deserialize(deserializer)?;
+    let known = [("trinary", RosMode::Trinary), ("scale", RosMode::Scale), ("raw", RosMode::Raw)];
+    let found = known.into_iter().find(|(name, _)| word.eq_ignore_ascii_case(name));
+    found.map(|(_, mode)| mode).ok_or_else(|| {
+        let text = format!("`{word}` is not one of trinary, scale, raw");
+        serde::de::Error::custom(text)
+    })
 }
 
 /// Reads a flag, which is 0 or 1 in files of ROS; `true` and `false` are read, too.

@@ -42,6 +42,9 @@ fn greys_become_cells_as_in_ros() {
     assert_eq!(cells(&YAML.replace("negate: 0", "negate: true")), ".??###");
     assert_eq!(cells(&format!("{YAML}mode: scale\n")), "##??..");
     assert_eq!(cells(&format!("{YAML}mode: trinary\n")), "##??..");
+    // Nav2 ignores capitals.
+    assert_eq!(cells(&format!("{YAML}mode: Trinary\n")), "##??..");
+    assert_eq!(cells(&format!("{YAML}mode: RAW\n")), ".##???");
     // 0 %, 88 % and 90 %; the others are not percentages.
     assert_eq!(cells(&format!("{YAML}mode: raw\n")), ".##???");
     // Thresholds are not reached by what equals them.
@@ -82,7 +85,11 @@ fn what_is_wrong_with_a_description_is_named() {
         ("0.65", "1.5", "`occupied_thresh` must be from 0 to 1, got 1.5"),
         ("0.196", ".nan", "`free_thresh` must be from 0 to 1, got NaN"),
         ("0.196", "0.7", "`free_thresh` must be at most `occupied_thresh`, 0.65, got 0.7"),
-        ("negate: 0", "negate: 0\nmode: dual", "trinary"),
+        (
+            "negate: 0",
+            "negate: 0\nmode: Dual",
+            "line 5, `mode: Dual`: `Dual` is not one of trinary",
+        ),
         ("image: ", "image: [", "not the YAML of a map"),
         ("image: ", "image: [", "line 1, `image: [hall.pgm`: not a text or a number"),
         ("[-1.0, 2.0, 0.0]", "here", "line 3, `origin: here`: not a list in brackets"),
