@@ -81,6 +81,8 @@ const BLOCKS: [i32; 3] = [1, 4, 16];
 pub(crate) struct LoopCloser {
     field: LikelihoodField,
     matcher: Matcher,
+    /// For searches around the estimated pose.
+    near: Matcher,
     /// Largest difference of headings of keyframes that can be matched.
     most_turn: f64,
     robots: Vec<Progress>,
@@ -121,6 +123,7 @@ impl LoopCloser {
         LoopCloser {
             field: LikelihoodField::new(&BLOCKS),
             matcher: Matcher::new(),
+            near: Matcher::new(),
             most_turn: if field_of_view >= ALL_AROUND - 1e-9 {
                 PI
             } else {
@@ -215,7 +218,9 @@ impl LoopCloser {
         for &i in chain[first..].iter().take(CHAIN).filter(|&&i| i != newest) {
             stamp(&mut self.field, keyframes[i].pose, &keyframes[i].sweep.echoes);
         }
-        let found = self.matcher.find(&self.field, &new.sweep.echoes, window)?;
+        let echoes = &new.sweep.echoes;
+        let mut search = self.matcher.search(&self.field, echoes, window)?;
+        let found = search.find()?;
         // A match at the window's edge does not count, since the best one may be outside. Nor does one
         // that is farther off than the robot can be: places look alike.
         let shift = found.pose.position - new.pose.position;
@@ -226,16 +231,15 @@ impl LoopCloser {
         if !inside || found.response < RESPONSE {
             return None;
         }
-        let echoes = &new.sweep.echoes;
         let here = Window { reach: HERE.0, heading_reach: HERE.1, ..window };
-        if let Some(here) = self.matcher.find(&self.field, echoes, here)
+        if let Some(here) = self.near.find(&self.field, echoes, here)
             && here.response >= (found.response - DISTINCT).max(RESPONSE)
         {
             let shift = here.pose.position.distance(new.pose.position);
             return (shift > NO_SHIFT).then_some(here.pose);
         }
         let apart = (found.pose.position, ELSEWHERE);
-        let rival = self.matcher.rival(&self.field, echoes, window, apart);
+        let rival = search.rival(apart);
         rival.is_none_or(|rival| rival < found.response - DISTINCT).then_some(found.pose)
     }
 }

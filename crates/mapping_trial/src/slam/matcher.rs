@@ -3,71 +3,24 @@
 //! fits a likelihood field best.
 
 use envgen::geometry::{Pose, unit_vector, wrap_angle};
-use glam::{DVec2, IVec2, Vec2};
+use glam::{DVec2, Vec2};
 
+use super::lattice::{
+    COARSE_ANGLE, CellBlock, FINE, FINE_BITS, Lattice, MOST_STEPS, Step, penalty,
+};
+pub use super::lattice::{FINE_ANGLE, Window};
 use super::likelihood::LikelihoodField;
 use crate::map::RESOLUTION;
 
-/// Fine steps per cell: 3.1 mm.
-const FINE: i32 = 16;
-
-const FINE_BITS: u32 = FINE.trailing_zeros();
-
-/// A fine step of the heading: 0.06 degrees.
-pub const FINE_ANGLE: f64 = 0.06 * std::f64::consts::PI / 180.0;
-
-/// Number of fine steps of the heading in a coarse one.
-const COARSE_ANGLE: i32 = 8;
-
 /// Steps of the refinement: in 1/16 cells, and in fine angles.
 const REFINEMENT: [(i32, i32); 4] = [(8, 4), (4, 2), (2, 1), (1, 1)];
-
-/// Weight of the squared deviation from the expected pose, in units of likelihood.
-const PRIOR_WEIGHT: f64 = 0.002;
 
 /// Shifts that the refinement tries: none, along an axis, along both.
 const NEIGHBOURS: [(i32, i32); 9] =
     [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)];
 
-/// Greatest number of cells of a window on each side of its middle.
-const MOST_STEPS: f64 = 1e3;
-
 /// Greatest number of moves of the refinement at each step size.
 const MOST_MOVES: usize = 64;
-
-/// The expected pose, and the window in which it is searched.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
-    /// The expected pose.
-    pub centre: Pose,
-    /// Standard deviation of its position in metres.
-    pub deviation: f64,
-    /// Standard deviation of its heading in radians.
-    pub heading_deviation: f64,
-    /// Half the side of the square that is searched, in metres.
-    pub reach: f64,
-    /// The largest difference of headings that is searched, in radians.
-    pub heading_reach: f64,
-}
-
-impl Window {
-    /// Returns the window of three standard deviations around an expected pose.
-    pub fn around(centre: Pose, deviation: f64, heading_deviation: f64) -> Self {
-        let (reach, heading_reach) = (3.0 * deviation, 3.0 * heading_deviation);
-        Window { centre, deviation, heading_deviation, reach, heading_reach }
-    }
-
-    /// Whether the window can be searched: finite numbers, positive deviations.
-    fn is_sound(&self) -> bool {
-        let Pose { position, heading } = self.centre;
-        let sizes = [self.deviation, self.heading_deviation];
-        position.is_finite()
-            && heading.is_finite()
-            && sizes.iter().all(|&size| size > 0.0 && size.is_finite())
-            && self.reach >= 0.0
-            && self.heading_reach >= 0.0
-    }
-}
 
 /// The result of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,24 +33,6 @@ pub struct Match {
     pub score: f64,
 }
 
-/// A candidate of the search: steps from the expected pose, in fine steps on each axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Step {
-    x: i32,
-    y: i32,
-    angle: i32,
-}
-
-/// Cells x to x + block - 1, y likewise, at one heading.
-#[derive(Clone, Copy, Debug)]
-struct CellBlock {
-    bound: f64,
-    /// Index of the heading in the list of those that are searched.
-    turn: i32,
-    x: i32,
-    y: i32,
-}
-
 /// A scan matcher, which reuses its memory from scan to scan.
 #[derive(Clone, Debug, Default)]
 pub struct Matcher {
@@ -106,23 +41,17 @@ pub struct Matcher {
     /// Echoes at one heading in fine steps from the field's corner, for the refinement.
     fine: Vec<(i32, i32)>,
     roots: Vec<CellBlock>,
+    rest: Vec<CellBlock>,
 }
 
-/// One search over the lattice of whole cells and coarse headings.
-struct LatticeSearch<'a> {
-    field: &'a LikelihoodField,
-    blocks: Vec<i32>,
-    places: &'a [u32],
-    echoes: usize,
-    window: Window,
-    /// Number of whole cells that are searched on each side of the expected pose.
-    cells: i32,
-    /// Number of coarse headings that are searched on each side of the expected one.
-    turns: i32,
-    /// A cell, and the cells around it to each side that are left out.
-    excluded: Option<(IVec2, i32)>,
-    best: f64,
-    found: Step,
+/// The searches of a scan in a window, which share the bounds of the largest blocks.
+pub(crate) struct Search<'a> {
+    lattice: Lattice<'a>,
+    echoes: &'a [Vec2],
+    fine: &'a mut Vec<(i32, i32)>,
+    /// The largest blocks, heading by heading.
+    roots: &'a [CellBlock],
+    rest: &'a mut Vec<CellBlock>,
 }
 
 impl Matcher {
@@ -145,21 +74,7 @@ impl Matcher {
         echoes: &[Vec2],
         window: Window,
     ) -> Option<Match> {
-        let coarse = self.coarse(field, echoes, window, None)?;
-        Some(self.refine(field, echoes, window, coarse))
-    }
-
-    /// Returns the mean likelihood of the best pose of the lattice that is at least so many metres from
-    /// a position, in x or in y: of a place that looks almost as much like the scan.
-    pub(crate) fn rival(
-        &mut self,
-        field: &LikelihoodField,
-        echoes: &[Vec2],
-        window: Window,
-        apart: (DVec2, f64),
-    ) -> Option<f64> {
-        let step = self.coarse(field, echoes, window, Some(apart))?;
-        Some(self.at_lattice(field, echoes, window, step).response)
+        self.search(field, echoes, window)?.find()
     }
 
     /// Does the same as [`Matcher::find`] without the refinement, for benchmarks and tests.
@@ -170,24 +85,9 @@ impl Matcher {
         echoes: &[Vec2],
         window: Window,
     ) -> Option<Match> {
-        let step = self.coarse(field, echoes, window, None)?;
-        Some(self.at_lattice(field, echoes, window, step))
-    }
-
-    /// The match of a step of the lattice.
-    fn at_lattice(
-        &mut self,
-        field: &LikelihoodField,
-        echoes: &[Vec2],
-        window: Window,
-        step: Step,
-    ) -> Match {
-        let places = &mut self.fine;
-        turn_into(places, field, echoes, window.centre, step.angle);
-        let sum: u64 = places.iter().map(|&(x, y)| nearest(field, x + step.x, y + step.y)).sum();
-        let response = sum as f64 / (255 * echoes.len()) as f64;
-        let score = response - penalty(window, step.x, step.y, step.angle);
-        Match { pose: pose_at(window.centre, step), response, score }
+        let mut search = self.search(field, echoes, window)?;
+        let step = search.lattice.best(search.roots, search.rest, None);
+        Some(search.at_lattice(step?))
     }
 
     /// Returns half the side in metres of the square around a window's centre that a field has to
@@ -196,15 +96,14 @@ impl Matcher {
         scan + window.reach + 2.0 * RESOLUTION
     }
 
-    /// Returns the best step of the coarse lattice that is as far from a position as `apart` says;
-    /// `None` without an echo, if the field does not cover the scan, or if no step is that far.
-    fn coarse(
-        &mut self,
-        field: &LikelihoodField,
-        echoes: &[Vec2],
+    /// Prepares the searches of a scan in a window; `None` without an echo, or if the field does not
+    /// cover the scan at every pose of the window.
+    pub(crate) fn search<'a>(
+        &'a mut self,
+        field: &'a LikelihoodField,
+        echoes: &'a [Vec2],
         window: Window,
-        apart: Option<(DVec2, f64)>,
-    ) -> Option<Step> {
+    ) -> Option<Search<'a>> {
         let cells = (window.reach / RESOLUTION).ceil().min(MOST_STEPS) as i32;
         let turns = (window.heading_reach / (f64::from(COARSE_ANGLE) * FINE_ANGLE)).ceil();
         let turns = turns.min(4e2) as i32;
@@ -229,33 +128,45 @@ impl Matcher {
                 self.places.push((row * cols + col) as u32);
             }
         }
-        let mut search = LatticeSearch {
-            field,
-            blocks,
-            places: &self.places,
-            echoes: echoes.len(),
-            window,
-            cells,
-            turns,
-            excluded: apart.map(|(at, apart)| {
-                let middle = ((at - window.centre.position) / RESOLUTION).round().as_ivec2();
-                (middle, (apart / RESOLUTION).ceil().min(MOST_STEPS) as i32)
-            }),
-            best: f64::NEG_INFINITY,
-            found: Step { x: 0, y: 0, angle: 0 },
-        };
-        search.run(&mut self.roots);
-        (search.best > f64::NEG_INFINITY).then_some(search.found)
+        let mut order: Vec<usize> = (0..blocks.len()).collect();
+        order.sort_by_key(|&level| std::cmp::Reverse(blocks[level]));
+        let places = &self.places;
+        let count = echoes.len();
+        let lattice = Lattice { field, blocks, order, places, echoes: count, window, cells, turns };
+        lattice.bound_roots(&mut self.roots);
+        let (fine, roots, rest) = (&mut self.fine, &self.roots, &mut self.rest);
+        Some(Search { lattice, echoes, fine, roots, rest })
+    }
+}
+
+impl Search<'_> {
+    /// Returns the best pose of the window.
+    pub(crate) fn find(&mut self) -> Option<Match> {
+        let coarse = self.lattice.best(self.roots, self.rest, None)?;
+        Some(self.refine(coarse))
+    }
+
+    /// Returns the mean likelihood of the best pose of the lattice that is at least so many metres from
+    /// a position, in x or in y: of a place that looks almost as much like the scan.
+    pub(crate) fn rival(&mut self, apart: (DVec2, f64)) -> Option<f64> {
+        let step = self.lattice.best(self.roots, self.rest, Some(apart))?;
+        Some(self.at_lattice(step).response)
+    }
+
+    /// The match of a step of the lattice.
+    fn at_lattice(&mut self, step: Step) -> Match {
+        let Search { lattice: Lattice { field, window, .. }, echoes, .. } = *self;
+        let places = &mut *self.fine;
+        turn_into(places, field, echoes, window.centre, step.angle);
+        let sum: u64 = places.iter().map(|&(x, y)| nearest(field, x + step.x, y + step.y)).sum();
+        let response = sum as f64 / (255 * echoes.len()) as f64;
+        let score = response - penalty(window, step.x, step.y, step.angle);
+        Match { pose: pose_at(window.centre, step), response, score }
     }
 
     /// Climbs from a step of the coarse lattice.
-    fn refine(
-        &mut self,
-        field: &LikelihoodField,
-        echoes: &[Vec2],
-        window: Window,
-        from: Step,
-    ) -> Match {
+    fn refine(&mut self, from: Step) -> Match {
+        let Search { lattice: Lattice { field, window, .. }, echoes, .. } = *self;
         // Turns are about the centroid of the echoes, so that they do not shift the whole scan.
         let sum = echoes.iter().fold(DVec2::ZERO, |sum, p| sum + p.as_dvec2());
         let middle = sum / echoes.len() as f64;
@@ -276,8 +187,8 @@ impl Matcher {
 
         let mut at = from;
         let mut turned = Vec::with_capacity(echoes.len());
-        turn_into(&mut self.fine, field, echoes, window.centre, at.angle);
-        let mut best = score(&self.fine, at);
+        turn_into(self.fine, field, echoes, window.centre, at.angle);
+        let mut best = score(self.fine, at);
         for (shift, angle) in REFINEMENT {
             // Along the axes first; if that does not improve, along all diagonals as well.
             let mut shifts = &NEIGHBOURS[..5];
@@ -291,7 +202,7 @@ impl Matcher {
                         continue;
                     }
                     let places = if turn == 0 {
-                        &self.fine
+                        &*self.fine
                     } else {
                         turn_into(&mut turned, field, echoes, window.centre, base.angle);
                         &turned
@@ -308,7 +219,7 @@ impl Matcher {
                         }
                     }
                     if at.angle != start.angle {
-                        std::mem::swap(&mut turned, &mut self.fine);
+                        std::mem::swap(&mut turned, self.fine);
                     }
                 }
                 if at != before {
@@ -322,93 +233,6 @@ impl Matcher {
         }
         Match { pose: pose_at(window.centre, at), response: best.1, score: best.0 }
     }
-}
-
-impl LatticeSearch<'_> {
-    fn run(&mut self, roots: &mut Vec<CellBlock>) {
-        // From the largest blocks to single cells.
-        let mut order: Vec<usize> = (0..self.blocks.len()).collect();
-        order.sort_by_key(|&level| std::cmp::Reverse(self.blocks[level]));
-        let Some(&top) = order.first() else { return };
-        let size = self.blocks[top];
-        roots.clear();
-        for turn in -self.turns..=self.turns {
-            for y in (-self.cells..=self.cells).step_by(size as usize) {
-                for x in (-self.cells..=self.cells).step_by(size as usize) {
-                    let bound = self.bound(top, turn, x, y);
-                    roots.push(CellBlock { bound, turn, x, y });
-                }
-            }
-        }
-        by_bound(roots);
-        for &root in roots.iter() {
-            if root.bound <= self.best {
-                break;
-            }
-            self.descend(&order, root);
-        }
-    }
-
-    /// Searches a block of the first level of `order`.
-    fn descend(&mut self, order: &[usize], block: CellBlock) {
-        let [level, finer @ ..] = order else { return };
-        let Some(&next) = finer.first() else {
-            let is_excluded = self.excluded.is_some_and(|(middle, apart)| {
-                (IVec2::new(block.x, block.y) - middle).abs().max_element() < apart
-            });
-            if block.bound > self.best && !is_excluded {
-                self.best = block.bound;
-                self.found =
-                    Step { x: block.x * FINE, y: block.y * FINE, angle: block.turn * COARSE_ANGLE };
-            }
-            return;
-        };
-        let (size, step) = (self.blocks[*level], self.blocks[next] as usize);
-        let end = |from: i32| (from + size - 1).min(self.cells);
-        let mut children = Vec::with_capacity(((size * size) as usize).div_ceil(step * step));
-        for y in (block.y..=end(block.y)).step_by(step) {
-            for x in (block.x..=end(block.x)).step_by(step) {
-                let bound = self.bound(next, block.turn, x, y);
-                if bound > self.best {
-                    children.push(CellBlock { bound, turn: block.turn, x, y });
-                }
-            }
-        }
-        by_bound(&mut children);
-        for child in children {
-            if child.bound <= self.best {
-                break;
-            }
-            self.descend(finer, child);
-        }
-    }
-
-    /// The upper bound of the score within a block; the exact score for a single cell.
-    fn bound(&self, level: usize, turn: i32, x: i32, y: i32) -> f64 {
-        let offset = y * self.field.cols() as i32 + x;
-        let first = (turn + self.turns) as usize * self.echoes;
-        let cells = self.field.cells(level);
-        let places = &self.places[first..first + self.echoes];
-        let look = |&place: &u32| u64::from(cells[place.wrapping_add_signed(offset) as usize]);
-        let sum: u64 = places.iter().map(look).sum();
-        let last = self.blocks[level] - 1;
-        let nearest = |from: i32| 0.clamp(from, from + last) * FINE;
-        let response = sum as f64 / (255 * self.echoes) as f64;
-        response - penalty(self.window, nearest(x), nearest(y), turn * COARSE_ANGLE)
-    }
-}
-
-/// Puts the most promising blocks first; of equal ones those that came first stay first.
-fn by_bound(blocks: &mut [CellBlock]) {
-    blocks.sort_by(|a, b| b.bound.total_cmp(&a.bound));
-}
-
-/// The penalty of a step away from the expected pose.
-fn penalty(window: Window, x: i32, y: i32, angle: i32) -> f64 {
-    let metres = RESOLUTION / f64::from(FINE);
-    let (x, y) = (f64::from(x) * metres, f64::from(y) * metres);
-    let turn = f64::from(angle) * FINE_ANGLE / window.heading_deviation;
-    PRIOR_WEIGHT * ((x * x + y * y) / (window.deviation * window.deviation) + turn * turn)
 }
 
 fn pose_at(centre: Pose, step: Step) -> Pose {
@@ -470,21 +294,32 @@ fn interpolated(field: &LikelihoodField, places: &[(i32, i32)], dx: i32, dy: i32
 mod tests {
     use super::*;
     use envgen::Seed;
+    use glam::IVec2;
     use proptest::prelude::*;
 
-    /// The best score of the coarse lattice, by trying every pose of it.
-    fn exhaustive(field: &LikelihoodField, echoes: &[Vec2], window: Window) -> f64 {
+    /// The best score of the coarse lattice and the response there, by trying every pose of it that is at
+    /// least so many cells from a cell.
+    fn exhaustive(
+        field: &LikelihoodField,
+        echoes: &[Vec2],
+        window: Window,
+        (middle, apart): (IVec2, i32),
+    ) -> Option<(f64, f64)> {
         let cells = (window.reach / RESOLUTION).ceil() as i32;
         let turns = (window.heading_reach / (f64::from(COARSE_ANGLE) * FINE_ANGLE)).ceil() as i32;
-        let mut best = f64::NEG_INFINITY;
+        let mut best: Option<(f64, f64)> = None;
         let mut places = Vec::new();
         for turn in -turns..=turns {
             turn_into(&mut places, field, echoes, window.centre, turn * COARSE_ANGLE);
-            for y in (-cells..=cells).map(|y| y * FINE) {
-                for x in (-cells..=cells).map(|x| x * FINE) {
+            for (y, x) in (-cells..=cells).flat_map(|y| (-cells..=cells).map(move |x| (y, x))) {
+                if (IVec2::new(x, y) - middle).abs().max_element() >= apart {
+                    let (x, y) = (x * FINE, y * FINE);
                     let sum: u64 = places.iter().map(|p| nearest(field, p.0 + x, p.1 + y)).sum();
                     let response = sum as f64 / (255 * echoes.len()) as f64;
-                    best = best.max(response - penalty(window, x, y, turn * COARSE_ANGLE));
+                    let score = response - penalty(window, x, y, turn * COARSE_ANGLE);
+                    if best.is_none_or(|(known, _)| score > known) {
+                        best = Some((score, response));
+                    }
                 }
             }
         }
@@ -497,13 +332,14 @@ mod tests {
         #[test]
         fn branch_and_bound_finds_the_best_place(
             seed in any::<u64>(), deviation in 0.02..0.3_f64, heading_deviation in 0.005..0.08_f64,
-            stamps in 0..60_usize, echoes in 1..40_usize, blocks in 0..3_usize,
+            stamps in 0..60_usize, echoes in 1..40_usize, blocks in 0..5_usize, apart in 0..8_i32,
         ) {
             let mut draws = Seed(seed).stream("matcher", 0);
             let mut point = |r: f64| DVec2::new(draws.between(-r, r), draws.between(-r, r));
             let centre = Pose { position: point(5.0), heading: point(3.0).x };
             let window = Window::around(centre, deviation, heading_deviation);
-            let mut field = LikelihoodField::new([&[1, 4][..], &[1, 4, 16], &[1]][blocks]);
+            let blocks = [&[1, 4][..], &[1, 4, 16], &[1], &[1, 3, 7], &[1, 16, 4, 40]][blocks];
+            let mut field = LikelihoodField::new(blocks);
             field.cover(centre.position, Matcher::radius(3.0, &window));
             for _ in 0..stamps {
                 field.stamp(centre.position + point(2.0));
@@ -511,7 +347,14 @@ mod tests {
             let echoes: Vec<Vec2> = (0..echoes).map(|_| point(2.0).as_vec2()).collect();
             let mut matcher = Matcher::new();
             let coarse = matcher.find_coarse(&field, &echoes, window);
-            prop_assert_eq!(coarse.map(|m| m.score), Some(exhaustive(&field, &echoes, window)));
+            let best = exhaustive(&field, &echoes, window, (IVec2::ZERO, 0)).map(|(score, _)| score);
+            prop_assert_eq!(coarse.map(|m| m.score), best);
+            // The best place apart from another one, by the same bounds.
+            let mut search = matcher.search(&field, &echoes, window).expect("it is covered");
+            let elsewhere = exhaustive(&field, &echoes, window, (IVec2::ONE, apart));
+            let position = centre.position + RESOLUTION;
+            let rival = search.rival((position, f64::from(apart) * RESOLUTION - 1e-9));
+            prop_assert_eq!(rival, elsewhere.map(|(_, response)| response));
             let fine = matcher.find(&field, &echoes, window).expect("it is covered");
             let shift = (fine.pose.position - centre.position).abs().max_element();
             prop_assert!(shift <= window.reach + RESOLUTION);

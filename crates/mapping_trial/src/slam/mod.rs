@@ -18,6 +18,7 @@
 mod estimator;
 mod fusion;
 mod incremental;
+mod lattice;
 pub mod likelihood;
 mod loop_closing;
 mod mapper;
