@@ -299,6 +299,17 @@ fn the_keys_are_those_agreed() {
 }
 
 #[test]
+fn measures_of_zero_are_not_negative() {
+    // One class; and three classes of which only two are neighbours.
+    for (cols, cells) in [(3, vec![1; 6]), (3, vec![1, 2, 0, 0, 0, 3])] {
+        let report = RasterReport::new(&raster(2, cols, 1.0, cells), Border::Free).unwrap();
+        let json = serde_json::to_string(&report).unwrap();
+        assert!(!json.contains("-0"), "{json}");
+        assert!(!report.to_string().contains("-0"), "{report}");
+    }
+}
+
+#[test]
 fn rasters_that_do_not_fit_are_errors() {
     let wrong = raster(2, 2, 1.0, vec![1, 2, 3]);
     let error = RasterReport::new(&wrong, Border::Free);

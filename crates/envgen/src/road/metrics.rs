@@ -52,10 +52,11 @@ pub(super) fn measure(road: &Road) -> RoadMetrics {
     let spec = road.spec();
     let turns = || road.segments().iter().filter(|segment| segment.kind.is_turn());
     let count = turns().count() as u64;
-    let turning: f64 = turns().map(|turn| turn.angle.abs()).sum::<f64>().to_degrees();
+    // Not `sum`, which is -0 without any.
+    let turning = turns().fold(0.0, |sum, turn| sum + turn.angle.abs()).to_degrees();
     let min_radius = turns().filter_map(|turn| turn.radius).reduce(f64::min);
-    let straight: f64 =
-        road.segments().iter().filter(|s| !s.kind.is_turn()).map(|s| s.length).sum();
+    let straights = road.segments().iter().filter(|segment| !segment.kind.is_turn());
+    let straight = straights.fold(0.0, |sum, segment| sum + segment.length);
     let speed = spec.speed;
     let between = road.end().position.distance(spec.start().position);
     RoadMetrics {

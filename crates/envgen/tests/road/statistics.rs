@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use envgen::road::{Concentration, Lengths, Road, RoadError, RoadSpec, SegmentKind, TurnLaw};
-use envgen::{Seed, Spec};
+use envgen::{Blueprint, Seed, Spec};
 
 use envgen::road::Prefab::{Straight, Turn};
 
@@ -144,5 +144,15 @@ trait Square {
 impl Square for f64 {
     fn powi_2(self) -> f64 {
         self * self
+    }
+}
+
+#[test]
+fn metrics_of_zero_are_not_negative() {
+    // A road without turns, and one without straights.
+    for (prefab, parts) in [(Straight, "turning"), (Turn, "straight_share")] {
+        let spec = RoadSpec { prefabs: vec![prefab; 2], ..Default::default() };
+        let metrics = serde_json::to_value(generate(&spec, 1).metrics()).unwrap();
+        assert_eq!(metrics[parts].to_string(), "0.0", "{metrics}");
     }
 }

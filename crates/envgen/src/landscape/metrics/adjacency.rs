@@ -101,13 +101,14 @@ impl Adjacency {
             let p = n as f64 / total as f64;
             if n > 0 { -p * libm::log2(p) } else { 0.0 }
         };
-        let joint: f64 = self
+        // Not `sum`, which is -0 for one class.
+        let joint = self
             .sides
             .iter()
-            .map(|&(a, b, n)| if a == b { bits(2 * n) } else { 2.0 * bits(n) })
-            .sum();
-        let marginal: f64 =
-            self.class_sides().iter().map(|class| bits(2 * class.own + class.other)).sum();
+            .fold(0.0, |sum, &(a, b, n)| sum + if a == b { bits(2 * n) } else { 2.0 * bits(n) });
+        let classes = self.class_sides();
+        let marginal =
+            classes.iter().fold(0.0, |sum, class| sum + bits(2 * class.own + class.other));
         Some(Entropies {
             marginal,
             joint,

@@ -240,15 +240,12 @@ fn interspersion(adjacency: &Adjacency, classes: usize, edges: u64) -> Option<f6
     if classes < 3 || edges == 0 {
         return None;
     }
-    let sum: f64 = adjacency
-        .sides()
-        .iter()
-        .filter(|(a, b, _)| a != b)
-        .map(|&(_, _, n)| {
-            let p = n as f64 / edges as f64;
-            -p * libm::log(p)
-        })
-        .sum();
+    // Not `sum`, which is -0 for a single pair.
+    let pairs = adjacency.sides().iter().filter(|(a, b, _)| a != b);
+    let sum = pairs.fold(0.0, |sum, &(_, _, n)| {
+        let p = n as f64 / edges as f64;
+        sum - p * libm::log(p)
+    });
     let m = classes as f64;
     Some(sum / libm::log(0.5 * m * (m - 1.0)) * 100.0)
 }
