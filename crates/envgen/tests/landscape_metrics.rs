@@ -161,7 +161,8 @@ fn check(raster: &ClassRaster) {
         contagion += p * libm::log(p) / (2.0 * libm::log(m));
         assert_eq!(pairs[&(b, a)], *n);
     }
-    near(report.contag_percent, if m > 1.0 { 100.0 * contagion } else { f64::NAN }, "CONTAG");
+    let defined = m > 1.0 && !pairs.is_empty();
+    near(report.contag_percent, if defined { 100.0 * contagion } else { f64::NAN }, "CONTAG");
     let mixing = entropy(&mut pairs.iter().filter(|(p, _)| p.0 < p.1).map(|p| p.1 / edges));
     let most = libm::log(m * (m - 1.0) / 2.0);
     let defined = m > 2.0 && edges > 0.0;
@@ -307,6 +308,13 @@ fn measures_of_zero_are_not_negative() {
         assert!(!json.contains("-0"), "{json}");
         assert!(!report.to_string().contains("-0"), "{report}");
     }
+}
+
+#[test]
+fn classes_without_neighbours_have_no_contagion() {
+    let report = RasterReport::new(&raster(2, 2, 1.0, vec![1, 0, 0, 2]), Border::Free).unwrap();
+    assert_eq!((report.contag_percent, report.joint_entropy_bits), (None, None));
+    assert_eq!(report.shei, Some(1.0));
 }
 
 #[test]

@@ -59,7 +59,8 @@ pub enum Border {
 }
 
 /// The metrics of a raster. Undefined metrics are `None`: evenness and contagion of one class, interspersion of
-/// fewer than three classes, and everything of a raster without cells.
+/// fewer than three classes, contagion and entropies of cells without neighbours, and everything of a raster without
+/// cells.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RasterReport {
     /// Total Edge: the number of sides between cells of different class.
@@ -215,7 +216,7 @@ impl RasterReport {
 /// Returns CONTAG: 1 + sum p ln p / (2 ln m), where p is the share of a class times the share of a neighbouring
 /// class in its sides.
 fn contagion(adjacency: &Adjacency, sides: &[ClassSides]) -> Option<f64> {
-    if sides.len() < 2 {
+    if sides.len() < 2 || adjacency.sides().is_empty() {
         return None;
     }
     let total: u64 = sides.iter().map(|class| class.cells).sum();
