@@ -4,6 +4,7 @@
 mod random_spec;
 
 use envgen::difficulty::{DifficultyError, DifficultyVector, Platform};
+use envgen::forest::ForestSpec;
 use envgen::geometry::Pose;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::world::Digest;
@@ -197,3 +198,18 @@ fn digests_are_frozen_of_predictions() {
 }
 
 const PREDICTIONS: [&str; 3] = ["50453a5eb4678484", "ef2310d417f3361f", "84b848b91afdab60"];
+
+#[test]
+fn clearances_of_large_robots_agree() {
+    let spec = ForestSpec { width: 30.0, height: 30.0, intensity: 0.0, ..Default::default() };
+    let world = spec.generate(Seed(0)).expect("a meadow").to_world();
+    for radius in [0.3, 1.4, 1.6, 2.0] {
+        let platform = Platform { circumscribed_radius: radius, ..Default::default() };
+        let vector = DifficultyVector::of(&world, &platform).expect("a vector");
+        // Nothing is near: the clearance is the greatest that counts, everywhere.
+        let (clearance, greatest) = (vector.clearance, f64::max(1.5, radius + 0.005));
+        assert_eq!((clearance.clearance_10_m, clearance.clearance_90_m), (greatest, greatest));
+        let inverse = clearance.tour_mean_inverse_clearance_per_m.expect("it drives");
+        assert!((inverse * greatest - 1.0).abs() < 1e-9, "{inverse} with {radius} m");
+    }
+}

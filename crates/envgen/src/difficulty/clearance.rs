@@ -13,7 +13,8 @@ const ROOMY: f64 = 0.5;
 const LEAST_PIECE: f64 = 1.0;
 
 features! {
-    /// Features of the clearance: distances from the robot's centre to the nearest solid, up to 1.5 m.
+    /// Features of the clearance: distances from the robot's centre to the nearest solid, up to 1.5 m, or up to the
+    /// distance that the robot keeps from solids if that is greater.
     pub struct Clearance {
         /// Area that the robot's centre can be on.
         reachable_area_m2: f64, "m^2";

@@ -16,8 +16,9 @@ use crate::world::World;
 /// Side of a cell in metres, unless the world is too large for it.
 pub const CELL: f64 = 0.2;
 
-/// The greatest clearance that is measured, in metres. Greater clearances count as this.
-pub(super) const SIGHT_OF_SOLIDS: f64 = 1.5;
+/// The greatest clearance that is measured, in metres, unless the robot keeps a greater distance from solids. Greater
+/// clearances count as the greatest.
+const SIGHT_OF_SOLIDS: f64 = 1.5;
 
 /// Number of cells per solid of the indices of solids, and number of cells in which a solid may be listed. There
 /// are so many queries that fine cells are worthwhile.
@@ -46,7 +47,7 @@ pub(super) struct Space<'a> {
     pub(super) footprint: f64,
     /// The point of each cell.
     pub(super) points: Vec<DVec2>,
-    /// Clearance of each point in metres, at most [`SIGHT_OF_SOLIDS`]; 0 for cells that are not free.
+    /// Clearance of each point in metres, at most the greatest that is measured; 0 for cells that are not free.
     pub(super) clearance: Vec<f64>,
     /// For each cell the possible moves, with bit i for the move to neighbour i of [`STEPS`].
     moves: Vec<u8>,
@@ -161,9 +162,9 @@ impl<'a> Space<'a> {
         self.cell_near(p).filter(|&cell| self.reached[cell])
     }
 
-    /// Returns the distance from a point to the nearest solid in metres, at most [`SIGHT_OF_SOLIDS`].
+    /// Returns the distance from a point to the nearest solid in metres, at most the greatest that is measured.
     pub(super) fn clearance_at(&self, p: DVec2) -> f64 {
-        self.finder.clearance(p).min(SIGHT_OF_SOLIDS)
+        self.finder.clearance(p)
     }
 
     /// Returns the least clearance in metres on the move from a cell to a neighbour, measured at nine points.
@@ -259,7 +260,7 @@ fn frame(world: &World) -> Result<GridFrame, DifficultyError> {
 struct Finder<'a> {
     world: &'a World,
     footprint: f64,
-    /// An index for clearances up to [`SIGHT_OF_SOLIDS`].
+    /// An index for clearances up to the greatest that is measured.
     far: ClearanceIndex,
     /// An index for the many queries of points near solids.
     near: ClearanceIndex,
@@ -292,7 +293,7 @@ impl<'a> Finder<'a> {
     }
 
     /// Returns the point of the cell around `center`, and its clearance, which is 0 if the robot cannot be there.
-    /// Sets `most` to the clearance of the centre, up to [`SIGHT_OF_SOLIDS`].
+    /// Sets `most` to the clearance of the centre, up to the reach of `far`.
     fn best_point(&self, center: DVec2, side: f64, most: &mut f64) -> (DVec2, f64) {
         let reach = self.far.reach();
         let Room { clearance: room, mut nearest, .. } = self.room(center);
