@@ -58,6 +58,12 @@ impl From<&Surface> for Ground {
     }
 }
 
+/// Returns the raster of a world whose cells are ground; `None` if its classes are among the surfaces.
+pub(crate) fn ground_raster(world: &World) -> Option<&ClassRaster> {
+    let is_class = |surface: &Surface| matches!(surface.kind, SurfaceKind::Class(_));
+    world.raster.as_ref().filter(|_| !world.surfaces.iter().any(is_class))
+}
+
 /// A spatial index of a world's surfaces and raster.
 ///
 /// ```
@@ -96,9 +102,7 @@ impl SurfaceIndex {
             let corners = Shape::from_rect(surfaces[i].shape.bounds()).corners();
             frame.touched_runs(&Convex::Polygon(&corners), visit);
         });
-        let is_class = |surface: &Surface| matches!(surface.kind, SurfaceKind::Class(_));
-        let is_listed = world.surfaces.iter().any(is_class);
-        let raster = if is_listed { None } else { world.raster.clone() };
+        let raster = ground_raster(world).cloned();
         let bounds = surfaces.iter().map(|s| s.shape.bounds().grown(ROUNDING)).collect();
         SurfaceIndex { index, surfaces, bounds, raster }
     }

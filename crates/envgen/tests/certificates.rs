@@ -6,6 +6,7 @@ mod random_spec;
 use envgen::certificate::{Claim, Verdict, verify};
 use envgen::geometry::Shape;
 use envgen::indoor::IndoorSpec;
+use envgen::landscape::LandscapeSpec;
 use envgen::world::Extent;
 use envgen::{Blueprint, Seed, Spec, World, WorldKind};
 
@@ -109,4 +110,26 @@ fn wide_bounds_cost_nothing() {
     world.certificate = vec![Claim::Connected { radius: 1e-6 }];
     world.start.as_mut().unwrap().position.x = -1e8;
     assert_eq!(verify(&world)[0].1, Verdict::Broken, "the goal is in a building");
+}
+
+#[test]
+fn cells_that_no_robot_can_enter_stop_a_disc() {
+    let spec = LandscapeSpec { rows: 20, cols: 20, classes: 2, entropy: 0.5, ..Default::default() };
+    let mut world = spec.generate(Seed(1)).unwrap().to_world();
+    let connected = |world: &World| verify(world)[0].1;
+    assert_eq!(connected(&world), Verdict::Holds);
+    // A column without data, between the start at the lower left and the goal at the upper right.
+    let cells = |world: &mut World, class: u16| {
+        let raster = world.raster.as_mut().unwrap();
+        raster.cells.iter_mut().skip(10).step_by(20).for_each(|cell| *cell = class);
+    };
+    cells(&mut world, 0);
+    assert_eq!(connected(&world), Verdict::Broken);
+    // Through a gap of one cell in it a disc of 0.4 m gets.
+    world.raster.as_mut().unwrap().cells[7 * 20 + 10] = 1;
+    assert_eq!(connected(&world), Verdict::Holds);
+    // A class that cannot be passed is as no data.
+    cells(&mut world, 9);
+    world.raster.as_mut().unwrap().speeds = [vec![0.0], vec![1.0; 8], vec![0.0]].concat();
+    assert_eq!(connected(&world), Verdict::Broken);
 }

@@ -7,6 +7,7 @@ use envgen::difficulty::{DifficultyError, DifficultyVector, Platform};
 use envgen::forest::ForestSpec;
 use envgen::geometry::Pose;
 use envgen::indoor::{IndoorSpec, Profile};
+use envgen::landscape::LandscapeSpec;
 use envgen::world::Digest;
 use envgen::{Blueprint, Seed, Spec, World, WorldKind};
 use proptest::prelude::*;
@@ -212,4 +213,21 @@ fn clearances_of_large_robots_agree() {
         let inverse = clearance.tour_mean_inverse_clearance_per_m.expect("it drives");
         assert!((inverse * greatest - 1.0).abs() < 1e-9, "{inverse} with {radius} m");
     }
+}
+
+#[test]
+fn nobody_drives_where_a_raster_has_no_data() {
+    let spec = LandscapeSpec { rows: 20, cols: 20, ..Default::default() };
+    let mut world = spec.generate(Seed(1)).expect("a landscape").to_world();
+    let area = |world: &World| {
+        let vector = DifficultyVector::of(world, &Platform::default()).expect("a vector");
+        vector.clearance.reachable_area_m2
+    };
+    let whole = area(&world);
+    let raster = world.raster.as_mut().expect("landscapes have a raster");
+    raster.cells.iter_mut().skip(10).step_by(20).for_each(|class| *class = 0);
+    assert!((area(&world) / whole - 0.5).abs() < 1e-9, "{} of {whole} m^2", area(&world));
+    // As with speeds that say so.
+    world.raster.as_mut().expect("as before").speeds = vec![0.0];
+    assert!((area(&world) / whole - 0.5).abs() < 1e-9);
 }

@@ -6,6 +6,7 @@
 //! [`MAX_PIECES`], [`MAX_COMPARISONS`], [`MAX_COMPARISONS_PER_PIECE`], [`MAX_BUBBLES`], [`MAX_SQUARES`] and
 //! [`MAX_BEND_POINTS`].
 
+mod blocked_cells;
 mod bubbles;
 mod budget;
 mod disc_path;
@@ -16,6 +17,7 @@ mod reachability;
 mod squares;
 mod windings;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use glam::DVec2;
@@ -159,13 +161,13 @@ fn start_reaches_goal(world: &World, radius: f64, budget: &mut Budget) -> Result
     let ends = [start.position, goal.position];
     // Bounds are kept up to a tolerance.
     let area = ends.iter().fold(world.bounds, |area, &end| area.union(Rect::new(end, end)));
-    let pieces = Pieces::new(reachability::barriers(world), radius)?;
+    let shapes: Vec<_> = reachability::barriers(world).collect();
+    let shapes = || shapes.iter().map(|shape| Cow::Borrowed(&**shape));
+    let pieces = Pieces::new(shapes(), radius)?;
     let barriers = Barriers::new(&pieces, area, radius);
     let mut is_close = false;
     for end in ends {
-        let deep = world.surfaces.iter().filter(|surface| surface.is_barrier());
-        let room =
-            deep.fold(world.clearance(end), |room, surface| room.min(surface.shape.distance(end)));
+        let room = shapes().map(|shape| shape.distance(end)).fold(f64::INFINITY, f64::min);
         match barriers.nearer(room, radius) {
             Nearer::Yes => return Ok(false),
             Nearer::Perhaps => is_close = true,
@@ -183,7 +185,7 @@ fn start_reaches_goal(world: &World, radius: f64, budget: &mut Budget) -> Result
     if radius > 0.0 {
         // Clearance that rounding may take away does not count.
         let radius = radius + barriers.rounding();
-        let bubbles = Bubbles::new(reachability::barriers(world), area, radius)?;
+        let bubbles = Bubbles::new(shapes(), area, radius)?;
         if bubbles.join(ends, &mut budget.half()) == Ok(true) {
             return Ok(true);
         }

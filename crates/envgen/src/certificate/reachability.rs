@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 use glam::DVec2;
 
+use super::blocked_cells::blocked_cells;
 use super::budget::{Budget, Doubt, MAX_COMPARISONS};
 use super::disc_path::{Barriers, Nearer};
 use super::outlines::Outlines;
@@ -193,9 +194,12 @@ impl<'a> StartGround<'a> {
     }
 }
 
+/// Returns the shapes of all that stops a disc: solids, and ground that no robot can enter.
 pub(super) fn barriers(world: &World) -> impl Iterator<Item = Cow<'_, Shape>> {
     let deep = world.surfaces.iter().filter(|surface| surface.is_barrier());
-    world.solids().map(|solid| solid.shape).chain(deep.map(|surface| Cow::Borrowed(&surface.shape)))
+    let deep = deep.map(|surface| Cow::Borrowed(&surface.shape));
+    let cells = blocked_cells(world).into_iter().map(Cow::Owned);
+    world.solids().map(|solid| solid.shape).chain(deep).chain(cells)
 }
 
 fn floors(world: &World) -> impl Iterator<Item = &Shape> {

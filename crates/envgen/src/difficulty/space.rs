@@ -10,8 +10,8 @@ use super::platform::MARGIN;
 use crate::clearance_index::{ClearanceIndex, Room};
 use crate::geometry::Shape;
 use crate::grid::GridFrame;
-use crate::surface_index::{Ground, SurfaceIndex};
-use crate::world::World;
+use crate::surface_index::{Ground, SurfaceIndex, ground_raster};
+use crate::world::{ClassRaster, World};
 
 /// Side of a cell in metres, unless the world is too large for it.
 pub const CELL: f64 = 0.2;
@@ -408,8 +408,10 @@ impl<'a> Finder<'a> {
 
 /// Whether there is ground on which no robot can drive.
 fn has_bad_ground(world: &World) -> bool {
-    let raster = world.raster.as_ref();
-    raster.is_some_and(|raster| raster.speeds.iter().any(|&speed| speed <= 0.0))
+    // A class without a speed has one, too: no data cannot be passed.
+    let is_blocked =
+        |raster: &ClassRaster| raster.cells.iter().any(|&class| raster.speed_of(class) <= 0.0);
+    ground_raster(world).is_some_and(is_blocked)
         || world.surfaces.iter().map(Ground::from).any(Ground::is_barrier)
 }
 
