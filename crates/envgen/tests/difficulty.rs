@@ -231,3 +231,28 @@ fn nobody_drives_where_a_raster_has_no_data() {
     world.raster.as_mut().expect("as before").speeds = vec![0.0];
     assert!((area(&world) / whole - 0.5).abs() < 1e-9);
 }
+
+#[test]
+fn requests_that_an_error_allows_are_allowed() {
+    for (width, height) in [(8, 8), (5, 5), (8, 4)] {
+        let base = IndoorSpec { width, height, profile: Profile::Calibrated, ..Default::default() };
+        let reachable = base.reachable();
+        let requests: [fn(IndoorSpec, f64) -> IndoorSpec; 3] = [
+            |spec, difficulty| IndoorSpec { difficulty, ..spec },
+            |spec, wanted| IndoorSpec { mapping: Some(wanted), ..spec },
+            |spec, wanted| IndoorSpec { navigation: Some(wanted), ..spec },
+        ];
+        for request in requests {
+            let check = |wanted: f64| {
+                let spec = request(base.clone(), wanted);
+                spec.request().check(&spec, reachable)
+            };
+            let error = check(11.0).expect_err("beyond the scale").to_string();
+            let ends = error.split_once(" from ").and_then(|(_, ends)| ends.split_once(", what"));
+            let ends = ends.and_then(|(ends, _)| ends.split_once(" to ")).expect("an interval");
+            for end in [ends.0, ends.1] {
+                assert_eq!(check(end.parse().expect("a number")), Ok(()), "{error}");
+            }
+        }
+    }
+}

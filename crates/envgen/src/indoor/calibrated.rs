@@ -151,6 +151,18 @@ fn values(dials: Dials<Estimate>) -> Dials<f64> {
     dials.map(|estimate| estimate.value)
 }
 
+/// Writes the ends of an interval with few digits, but so that they lie in it: a request of what an error allows must
+/// not be refused.
+fn rounded_inwards([least, most]: [f64; 2]) -> [String; 2] {
+    for (digits, parts) in [(1, 10.0), (2, 100.0), (3, 1000.0)] {
+        let [low, high] = [(least * parts).ceil() / parts, (most * parts).floor() / parts];
+        if least <= low && low <= high && high <= most {
+            return [low, high].map(|end| format!("{end:.digits$}"));
+        }
+    }
+    [least, most].map(|end| end.to_string())
+}
+
 impl Request {
     /// Checks whether each dial on its own is within the [reach](IndoorSpec::reachable) of maps of the spec's size
     /// and settings.
@@ -162,8 +174,9 @@ impl Request {
             let Some(wanted) = wanted else { continue };
             if !(least..=most).contains(&wanted) {
                 let IndoorSpec { width, height, .. } = spec;
+                let [least, most] = rounded_inwards([least, most]);
                 let allowed = format!(
-                    "from {least:.1} to {most:.1}, what the profile calibrated reaches at {width} x \
+                    "from {least} to {most}, what the profile calibrated reaches at {width} x \
                      {height} cells with these settings"
                 );
                 return Err(SpecError::new(name, wanted, allowed));
