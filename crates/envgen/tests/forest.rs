@@ -444,3 +444,23 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn the_intensity_that_an_error_names_is_allowed() {
+    for i in 0..200 {
+        let width = 100.0 + 0.37 * f64::from(i);
+        let (height, intensity) = (width / 3.0, 1e6);
+        let radius = 1e-4;
+        let mut spec = ForestSpec {
+            width,
+            height,
+            intensity,
+            radius,
+            robot_radius: 0.0,
+            ..Default::default()
+        };
+        let allowed = spec.validate().unwrap_err().allowed;
+        spec.intensity = allowed.split(' ').nth(2).unwrap().parse().unwrap();
+        assert_eq!(spec.validate(), Ok(()), "{width} m");
+    }
+}

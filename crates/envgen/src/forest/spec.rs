@@ -224,7 +224,12 @@ impl ForestSpec {
             return Ok(());
         }
         let (area, peak) = self.area_and_peak();
-        let allowed = format!("at most {} 1/m^2: {most} trees on {area} m^2", most / (area * peak));
+        let mut limit = most / (area * peak);
+        // A limit that is refused itself, by rounding, is none.
+        while limit * peak * area > most {
+            limit = limit.next_down();
+        }
+        let allowed = format!("at most {limit} 1/m^2: {most} trees on {area} m^2");
         Err(SpecError::new("intensity", self.intensity, allowed))
     }
 

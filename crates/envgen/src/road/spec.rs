@@ -214,17 +214,35 @@ impl RoadSpec {
         }
     }
 
+    /// Returns the length in metres that `reserve` needs for the greatest number of turns.
+    fn needed(&self) -> f64 {
+        let turns = self.most_turns();
+        let straights = (self.count() - turns) as f64 * self.reserve(false);
+        straights + turns as f64 * self.reserve(true)
+    }
+
+    /// Returns the least whole number of millimetres that is enough for `reserve`. A longer road has a larger quantum,
+    /// and may thus need slightly more.
+    fn needed_millimetres(&self) -> f64 {
+        let mut millimetres = (self.needed() * 1e3).ceil();
+        while (RoadSpec { length: millimetres / 1e3, ..self.clone() }).needed() > millimetres / 1e3
+        {
+            millimetres += 1.0;
+        }
+        millimetres
+    }
+
     /// Checks that `reserve` has enough length for the greatest number of turns.
     ///
     /// # Errors
     /// Names the required length, the given length and the greatest speed that would be allowed.
     fn check_reserve(&self) -> Result<(), SpecError> {
-        let turns = self.most_turns();
-        let straights = (self.count() - turns) as f64 * self.reserve(false);
-        let needed = straights + turns as f64 * self.reserve(true);
-        if self.lengths == Lengths::AsPublished || needed <= self.length {
+        if self.lengths == Lengths::AsPublished || self.needed() <= self.length {
             return Ok(());
         }
+        let turns = self.most_turns();
+        let straights = (self.count() - turns) as f64 * self.reserve(false);
+        let needed = self.needed_millimetres() / 1e3;
         let each = (self.length - straights) / turns as f64;
         let radius = each * (1.0 - self.transition) / self.theta_min.to_radians();
         let cure = if turns > 0 && each >= self.min_segment_length && radius >= self.fixed_radius()
