@@ -63,8 +63,8 @@ pub(super) fn begin(
             }
             State::Over(run) => run.place.is(&place),
             State::Warming(run) | State::Running(run) => {
-                let scale = check_scale(transform).err().filter(|_| run.place.is(&place));
-                if let Some(error) = scale {
+                let unsuited = suits.as_ref().err().filter(|_| run.place.is(&place)).cloned();
+                if let Some(error) = unsuited {
                     log::warn!("trial in environment {entity}: {error}");
                     release(moving.as_deref_mut());
                     dismiss(trial.robots(), &mut commands);

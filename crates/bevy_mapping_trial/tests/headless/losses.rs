@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, step};
+use bevy_mapping_trial::bevy_rapier2d::prelude::TimestepMode;
 use bevy_mapping_trial::prelude::*;
 use mapping_trial::backend::Command;
 use mapping_trial::trial::{EndReason, TrialSettings};
@@ -131,6 +132,31 @@ fn a_trial_fails_where_its_environment_is_scaled_until_that_is_corrected() {
     step(&mut app, 20);
     assert_eq!((reported(&app).len(), robots(&mut app)), (3, 1));
     assert_eq!(reported(&app)[2], "started");
+}
+
+#[test]
+fn a_trial_fails_where_a_step_is_no_tick_until_that_is_corrected() {
+    let fixed = |app: &mut App, step: f64| {
+        app.world_mut().resource_mut::<Time<Fixed>>().set_timestep_seconds(step);
+    };
+    let rapier = |app: &mut App, step: f64| {
+        app.insert_resource(TimestepMode::Fixed { dt: step as f32, substeps: 4 });
+    };
+    let changes: [(&dyn Fn(&mut App, f64), &str); 2] =
+        [(&fixed, "fixed step"), (&rapier, "rapier's step")];
+    for (set, name) in changes {
+        let mut app = app(20.0);
+        let root = running(&mut app, short(60.0));
+        set(&mut app, 0.1);
+        step(&mut app, 20);
+        assert!(trial(&app, root).has_failed(), "{name}");
+        assert_eq!((reported(&app).len(), robots(&mut app)), (2, 0));
+        assert!(reported(&app)[1].contains(name) && reported(&app)[1].contains("0.1"));
+        set(&mut app, 0.05);
+        step(&mut app, 20);
+        assert_eq!(reported(&app)[2..], ["started"]);
+        assert_eq!(robots(&mut app), 1);
+    }
 }
 
 #[test]
