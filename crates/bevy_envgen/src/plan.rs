@@ -54,7 +54,8 @@ pub(crate) struct Plan {
     pub(crate) block: u32,
     /// The largest number of parts of one tile entity.
     pub(crate) page: usize,
-    side: f64,
+    /// The side of the tiles at level 0 in metres.
+    pub(crate) side: f64,
     levels: u8,
 }
 

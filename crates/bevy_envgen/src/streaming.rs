@@ -313,8 +313,9 @@ impl TileStreamer<'_> {
     fn follow(&mut self, stream: StreamAround, at: DVec2) {
         let at = at + self.streaming.layout.origin;
         let wanted = match &self.streaming.made {
+            // If another side was requested since, the tiles still have that of the spawned world.
             Generated::Finite(plan) => {
-                check_radius(stream.radius, stream.tile).map(|()| plan.near(at, stream.radius))
+                check_radius(stream.radius, plan.side).map(|()| plan.near(at, stream.radius))
             }
             Generated::Endless(forest) => check_radius(stream.radius, forest.tile_side())
                 .map(|()| endless_near(forest, at, stream.radius)),

@@ -6,7 +6,7 @@ use bevy_envgen::envgen::geometry::unit_vector;
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::part::{Goal, Start};
 use bevy_envgen::prelude::*;
-use bevy_envgen::testing::{spawn_ready, step, test_app, test_app_with, wait_until_ready};
+use bevy_envgen::testing::{parts, spawn_ready, step, test_app, test_app_with, wait_until_ready};
 use bevy_envgen::{StreamingReport, Tile};
 
 use super::specs;
@@ -261,6 +261,28 @@ fn a_radius_that_is_refused_is_mended() {
     app.world_mut().get_mut::<StreamAround>(root).unwrap().radius = 20.0;
     wait_until_ready(&mut app, root).unwrap();
     assert!(!app.world().entity(root).contains::<EnvironmentFailure>());
+}
+
+#[test]
+fn a_tile_that_is_refused_is_the_only_failure() {
+    for tile in [f64::NAN, 0.0, 0.001] {
+        let mut app = test_app();
+        let anchor = app.world_mut().spawn(Transform::default()).id();
+        let around = StreamAround::new(anchor, 20.0);
+        let forest = Environment::new(ForestSpec::default(), 1);
+        let root = app.world_mut().spawn((forest, around)).id();
+        wait_until_ready(&mut app, root).unwrap();
+        app.world_mut().get_mut::<StreamAround>(root).unwrap().tile = tile;
+        let error = wait_until_ready(&mut app, root).unwrap_err();
+        assert!(matches!(error, EnvironmentError::Stream { field: "tile", .. }), "{tile}: {error}");
+        // The old tiles are kept, and followed.
+        let before = parts(&app, root).len();
+        app.world_mut().get_mut::<Transform>(anchor).unwrap().translation.x = 10.0;
+        step(&mut app, 200);
+        assert!(parts(&app, root).len() > before);
+        let failure = app.world().get::<EnvironmentFailure>(root).unwrap();
+        assert_eq!(failure.to_string(), error.to_string());
+    }
 }
 
 #[test]
