@@ -71,6 +71,8 @@ fn watch_assets(
                 {
                     let now = assets.get(handle).map(|asset| &asset.spec);
                     changed |= now.is_some() && now != slot.spec.as_ref();
+                    // It may have been removed and added again in the same frame.
+                    error = error.filter(|_| now.is_none());
                 }
                 AssetEvent::Removed { id: other } | AssetEvent::Unused { id: other }
                     if *other == id =>
