@@ -281,6 +281,7 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     };
     let fitted = fitted.copied().unwrap_or_default();
     let own_chassis = chassis.copied().filter(|chassis| fitted.chassis != Some(*chassis));
+    // Another observer may have despawned the robot, so insertions may fail.
     let mut robot = commands.entity(fit.entity);
     if let Err(error) = model.validate() {
         log::warn!("robot {}: {error}", fit.entity);
@@ -288,7 +289,7 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
         strip(&mut robot, Fitted { chassis, ..fitted });
         return;
     }
-    robot.insert_if_new((
+    robot.try_insert_if_new((
         Battery { left: model.battery },
         RigidBody::Dynamic,
         Velocity::default(),
@@ -300,11 +301,11 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     let own_mass = is_heavy && !fitted.mass;
     let own_agent = is_agent && !fitted.agent;
     if !own_agent {
-        robot.insert(ScenarioAgent::new(model.circumscribed_radius));
+        robot.try_insert(ScenarioAgent::new(model.circumscribed_radius));
     }
     let own_height = is_high && !fitted.height;
     if let (false, Ok(extent)) = (own_height, model.extent()) {
-        robot.insert(HeightRange::from(extent));
+        robot.try_insert(HeightRange::from(extent));
     }
     let fitted = Fitted {
         body: !has_body || fitted.body,
@@ -314,10 +315,10 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
         agent: !own_agent,
         height: !own_height,
     };
-    robot.insert((chassis, fitted));
+    robot.try_insert((chassis, fitted));
     if own_collider {
         if !own_mass {
-            robot.insert(AdditionalMassProperties::Mass(chassis.mass));
+            robot.try_insert(AdditionalMassProperties::Mass(chassis.mass));
         }
         return;
     }
@@ -325,7 +326,7 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
         Footprint::Box => Collider::cuboid(0.5 * model.length as f32, 0.5 * model.width as f32),
         Footprint::Disc => Collider::ball(model.circumscribed_radius as f32),
     };
-    robot.insert((collider, ColliderMassProperties::Mass(chassis.mass)));
+    robot.try_insert((collider, ColliderMassProperties::Mass(chassis.mass)));
 }
 
 /// A robot, with its masses in rapier.
@@ -351,23 +352,23 @@ pub(super) fn weigh(mut robots: Query<Weighed, Changed<Chassis>>) {
 /// Removes the components that were added for the last model.
 fn strip(robot: &mut EntityCommands<'_>, fitted: Fitted) {
     if fitted.body {
-        robot.remove::<(RigidBody, Velocity)>();
+        robot.try_remove::<(RigidBody, Velocity)>();
     }
     if fitted.chassis.is_some() {
-        robot.remove::<Chassis>();
+        robot.try_remove::<Chassis>();
     }
     if fitted.collider {
-        robot.remove::<(Collider, ColliderMassProperties)>();
+        robot.try_remove::<(Collider, ColliderMassProperties)>();
     }
     if fitted.mass {
-        robot.remove::<AdditionalMassProperties>();
+        robot.try_remove::<AdditionalMassProperties>();
     }
     if fitted.agent {
-        robot.remove::<ScenarioAgent>();
+        robot.try_remove::<ScenarioAgent>();
     }
     if fitted.height {
-        robot.remove::<HeightRange>();
+        robot.try_remove::<HeightRange>();
     }
     // The robot is at rest, even if it is moved elsewhere, until it gets a valid model.
-    robot.remove::<Fitted>().insert(Wheels::default());
+    robot.try_remove::<Fitted>().try_insert(Wheels::default());
 }

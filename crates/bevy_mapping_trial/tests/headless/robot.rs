@@ -470,3 +470,18 @@ fn a_laser_has_the_rate_of_its_profile_whatever_the_steps() {
     let number = app.world().get::<LaserScan>(robot).unwrap().number;
     assert!((49..=51).contains(&number), "{number} scans in 10 s");
 }
+
+#[test]
+fn an_observer_may_despawn_a_robot_as_it_is_spawned() {
+    let mut app = app(room(10.0, 10.0));
+    app.add_observer(|added: On<Add, RobotModel>, mut commands: Commands| {
+        commands.entity(added.entity).despawn();
+    });
+    let invalid = Robot { length: -1.0, ..Robot::default() };
+    for model in [Robot::default(), invalid] {
+        app.world_mut().spawn(RobotModel(model));
+        step(&mut app, 3);
+        let mut robots = app.world_mut().query::<&RobotModel>();
+        assert_eq!(robots.iter(app.world()).count(), 0);
+    }
+}
