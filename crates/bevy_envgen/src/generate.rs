@@ -212,31 +212,29 @@ fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made
     clear(world, entity);
     propagate(world, entity, *global);
     crate::scenario::remove(world, entity);
-    let Ok(mut root) = world.get_entity_mut(entity) else { return };
-    root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
-    let Some(slot) = root.get::<GenerationJob>() else { return };
+    let Some(slot) = world.get::<GenerationJob>(entity) else { return };
     let Some(ask) = &slot.asked else { return };
     let (layout, tile, request) = (ask.environment.layout(), ask.tile, slot.requests);
-    root.insert(SpawnedOrigin(layout.origin));
+    if let Ok(mut root) = world.get_entity_mut(entity) {
+        root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
+    }
+    insert(world, entity, SpawnedOrigin(layout.origin));
     match made {
         Generated::Finite(plan) => {
             let stats = EnvironmentStats { parts: Some(plan.parts), solids: Some(plan.solids) };
             let landmarks = EnvironmentLandmarks::new(&plan.world, layout.origin, global);
-            root.insert((GroundTruth(Arc::clone(&plan.world)), stats, landmarks));
+            insert(world, entity, (GroundTruth(Arc::clone(&plan.world)), stats, landmarks));
         }
         Generated::Endless(forest) => {
             let stats = EnvironmentStats { parts: None, solids: None };
             let landmarks = EnvironmentLandmarks::default();
-            root.insert((EndlessTruth(Arc::clone(forest)), stats, landmarks));
+            insert(world, entity, (EndlessTruth(Arc::clone(forest)), stats, landmarks));
         }
     }
     let mut spawned_tiles = SpawnedTiles::default();
     if tile.is_some() {
-        root.insert((
-            Streaming::new(made.clone(), layout, request),
-            spawned_tiles,
-            EnvironmentState::Streaming,
-        ));
+        let streaming = Streaming::new(made.clone(), layout, request);
+        insert(world, entity, (streaming, spawned_tiles, EnvironmentState::Streaming));
         return;
     }
     if let Generated::Finite(plan) = made {
@@ -248,13 +246,20 @@ fn spawn_world(world: &mut World, entity: Entity, global: &GlobalTransform, made
             spawned_tiles.tiles.insert(key, spawned);
         }
     }
-    // An observer of a tile may have despawned the entity or removed its environment.
+    insert(world, entity, spawned_tiles);
+    // For an entity without an environment, nothing is reported.
+    world.get_resource_or_init::<PendingEvents>().push(entity, Ok(()));
+}
+
+/// Inserts components on an environment, unless an observer of others has despawned the entity or removed its
+/// environment. Returns whether the environment exists afterwards.
+fn insert(world: &mut World, entity: Entity, components: impl Bundle) -> bool {
     if let Ok(mut root) = world.get_entity_mut(entity)
         && root.contains::<Environment>()
     {
-        root.insert(spawned_tiles);
-        world.get_resource_or_init::<PendingEvents>().push(entity, Ok(()));
+        root.insert(components);
     }
+    world.get::<Environment>(entity).is_some()
 }
 
 /// Despawns all tiles below an environment, and nothing else. This includes tiles that were spawned from a
@@ -281,8 +286,8 @@ fn suspend(world: &mut World, entity: Entity) {
     crate::scenario::remove(world, entity);
     if let Ok(mut root) = world.get_entity_mut(entity) {
         root.remove::<(GroundTruth, EndlessTruth, Streaming)>();
-        root.insert(SpawnedTiles { suspended: true, ..default() });
     }
+    insert(world, entity, SpawnedTiles { suspended: true, ..default() });
 }
 
 /// Suspends environments whose transform has become invalid for a flat world, and requests suspended worlds
@@ -322,11 +327,12 @@ pub(crate) fn notify(world: &mut World) {
         match notice {
             Ok(()) => {
                 root.remove::<EnvironmentFailure>();
-                root.insert(EnvironmentState::Ready);
-                move_to_place(world, entity);
-                let ready = EnvironmentReady { entity };
-                world.write_message(ready.clone());
-                world.trigger(ready);
+                if insert(world, entity, EnvironmentState::Ready) {
+                    move_to_place(world, entity);
+                    let ready = EnvironmentReady { entity };
+                    world.write_message(ready.clone());
+                    world.trigger(ready);
+                }
             }
             Err(error) => {
                 root.insert((EnvironmentState::Failed, EnvironmentFailure(error.clone())));
@@ -371,7 +377,8 @@ pub(crate) fn clean_up(removed: On<Remove, Environment>, mut commands: Commands)
         if world.get_entity(entity).is_ok_and(|root| !root.contains::<Environment>()) {
             clear(world, entity);
             crate::scenario::remove(world, entity);
-            world.entity_mut(entity).remove::<(
+            let Ok(mut root) = world.get_entity_mut(entity) else { return };
+            root.remove::<(
                 EndlessTruth,
                 EnvironmentFailure,
                 EnvironmentLandmarks,

@@ -7,7 +7,7 @@ use bevy_envgen::envgen::hallway::HallwaySpec;
 use bevy_envgen::envgen::{Seed, WorldSpec};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, parts, spawn_ready, step, test_app, wait_until_ready};
-use bevy_envgen::{EnvironmentError, MAX_PARTS, Tile};
+use bevy_envgen::{EnvironmentError, MAX_PARTS, SpawnedOrigin, Tile};
 
 use super::spawned;
 
@@ -165,6 +165,74 @@ fn observers_may_despawn_what_was_just_spawned() {
             assert_eq!((spawned(&mut app), in_rapier(&mut app)), (0, (0, 0)), "{what}");
         }
     }
+}
+
+#[test]
+fn observers_may_despawn_an_environment_or_remove_it_as_its_components_arrive_and_leave() {
+    type Lose = fn(&mut EntityCommands<'_>);
+    let despawn: Lose = |root| root.despawn();
+    let remove: Lose = |root| {
+        root.remove::<Environment>();
+    };
+    let when: [fn(&mut App, Lose); 5] = [
+        lose_on_insert::<SpawnedOrigin>,
+        lose_on_insert::<EnvironmentStats>,
+        lose_on_insert::<EnvironmentState>,
+        lose_on_insert::<EnvironmentFailure>,
+        lose_on_remove::<EnvironmentStats>,
+    ];
+    for observe in when {
+        for lose in [despawn, remove] {
+            for is_streamed in [false, true] {
+                let mut app = test_app();
+                let anchor = app.world_mut().spawn(Transform::default()).id();
+                let spawn = |app: &mut App| {
+                    if is_streamed {
+                        let around = StreamAround::new(anchor, 20.0);
+                        app.world_mut().spawn((hallway(), around)).id()
+                    } else {
+                        app.world_mut().spawn(hallway()).id()
+                    }
+                };
+                let (first, second) = (spawn(&mut app), spawn(&mut app));
+                step(&mut app, 3);
+                observe(&mut app, lose);
+                // Another world, one that fails, and a transform without a world.
+                app.world_mut().entity_mut(first).insert(hallway().with_origin(DVec2::ONE));
+                app.world_mut().entity_mut(second).insert(hallway().with_origin(DVec2::NAN));
+                let third = spawn(&mut app);
+                step(&mut app, 3);
+                if let Ok(mut third) = app.world_mut().get_entity_mut(third) {
+                    third.insert(Transform::from_scale(Vec3::ZERO));
+                }
+                step(&mut app, 3);
+                // Nothing is left of environments that are lost.
+                let mut tiles = app.world_mut().query_filtered::<&ChildOf, With<Tile>>();
+                for tile in tiles.iter(app.world()) {
+                    assert!(app.world().get::<Environment>(tile.parent()).is_some());
+                }
+                type Lost = (With<GroundTruth>, Without<Environment>);
+                let mut lost = app.world_mut().query_filtered::<(), Lost>();
+                assert_eq!(lost.iter(app.world()).count(), 0);
+            }
+        }
+    }
+}
+
+/// Makes an app lose an environment when a component is inserted on it.
+fn lose_on_insert<C: Component>(app: &mut App, lose: fn(&mut EntityCommands<'_>)) {
+    app.add_observer(move |inserted: On<Insert, C>, mut commands: Commands| {
+        lose(&mut commands.entity(inserted.entity));
+    });
+}
+
+/// Makes an app lose an environment when a component is removed from it.
+fn lose_on_remove<C: Component>(app: &mut App, lose: fn(&mut EntityCommands<'_>)) {
+    app.add_observer(move |removed: On<Remove, C>, mut commands: Commands| {
+        if let Ok(mut root) = commands.get_entity(removed.entity) {
+            lose(&mut root);
+        }
+    });
 }
 
 #[test]
