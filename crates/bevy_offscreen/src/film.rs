@@ -63,12 +63,12 @@ impl Film {
     /// Adds a picture. If it is equal to the last one, the last one is shown longer instead.
     ///
     /// # Errors
-    /// Returns an error if the size differs from that of the film or a side is longer than 65,535 pixels, or if the
-    /// file system reports an error.
+    /// Returns an error if the size differs from that of the film, if a side has no pixels or is longer than
+    /// 65,535 pixels, or if the file system reports an error.
     pub fn push(&mut self, picture: &CapturedImage) -> Result<(), CaptureError> {
         let size = picture.size();
         let sides = u16::try_from(size.x).ok().zip(u16::try_from(size.y).ok());
-        let Some((width, height)) = sides else {
+        let Some((width, height)) = sides.filter(|&(width, height)| width > 0 && height > 0) else {
             return Err(CaptureError::Size {
                 width: size.x,
                 height: size.y,

@@ -102,3 +102,20 @@ fn rates_that_gif_cannot_tell_are_refused() {
         Film::create(folder.path().join("film.gif"), rate).unwrap();
     }
 }
+
+#[test]
+fn a_picture_without_pixels_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.gif");
+    let mut film = Film::create(&path, 20.0).unwrap();
+    for (width, height) in [(0, 0), (0, 5), (5, 0)] {
+        let size = Extent3d { width, height, depth_or_array_layers: 1 };
+        let (format, usage) = (TextureFormat::Rgba8UnormSrgb, RenderAssetUsages::MAIN_WORLD);
+        let image = Image::new(size, TextureDimension::D2, Vec::new(), format, usage);
+        let said = film.push(&CapturedImage::of(&image).unwrap()).unwrap_err().to_string();
+        assert!(said.contains(&format!("1 to 65535 pixels, got {width} x {height}")), "{said}");
+    }
+    film.push(&picture(20, 15, 3)).unwrap();
+    film.finish().unwrap();
+    assert_eq!(play(&path).len(), 1);
+}
