@@ -65,9 +65,10 @@
 //! # System sets
 //!
 //! All systems are in the schedule of [`EnvgenPlugins::in_schedule`], which is `Update` by default, in the
-//! order of the sets of [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`. Difficulties
-//! are computed after them. Changes of transforms are detected in `PostUpdate`. Doors, people and smoke move
-//! in [`ScenarioSystems`], which is in `FixedUpdate` by default, after rapier's `PhysicsSet::Writeback`.
+//! order of the sets of [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`. If that is the
+//! schedule of rapier or of scenarios, these are after `Notify`. Difficulties are computed after them.
+//! Changes of transforms are detected in `PostUpdate`. Doors, people and smoke move in [`ScenarioSystems`],
+//! which is in `FixedUpdate` by default, after rapier's `PhysicsSet::Writeback`.
 //!
 //! # Features
 //!

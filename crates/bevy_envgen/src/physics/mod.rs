@@ -17,7 +17,7 @@ mod setup;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{
     ActiveCollisionTypes, ActiveEvents, Collider, CollisionEvent, CollisionGroups, Friction,
-    Restitution, Sensor,
+    PhysicsSet, Restitution, Sensor,
 };
 
 pub use height::HeightHooks;
@@ -69,14 +69,18 @@ impl Plugin for EnvgenPhysicsPlugin {
             .add_observer(height::filter_contacts)
             .add_observer(moving::embody)
             .add_observer(moving::hang)
+            // An app may have both in the same schedule.
+            .configure_sets(main, PhysicsSet::SyncBackend.after(EnvgenSystems::Notify))
             // Both are before physics, which may run in either schedule.
             .add_systems(FixedPreUpdate, height::filter_bodies)
-            .add_systems(main, height::filter_bodies.after(EnvgenSystems::Notify))
             .add_systems(
                 main,
-                moving::report_collisions
+                (
+                    height::filter_bodies,
+                    moving::report_collisions.run_if(resource_exists::<Messages<CollisionEvent>>),
+                )
                     .after(EnvgenSystems::Notify)
-                    .run_if(resource_exists::<Messages<CollisionEvent>>),
+                    .before(PhysicsSet::SyncBackend),
             );
     }
 }

@@ -108,6 +108,7 @@ impl Plugin for EnvgenScenarioPlugin {
                 main,
                 run::start.after(EnvgenSystems::Stream).before(EnvgenSystems::Notify),
             )
+            .configure_sets(self.schedule, ScenarioSystems.after(EnvgenSystems::Notify))
             .add_systems(
                 self.schedule,
                 (agent::locate, step::step, step::place, step::place_leaves)

@@ -7,7 +7,7 @@ use bevy_envgen::asset::EnvgenAssetPlugin;
 use bevy_envgen::bevy_rapier2d::prelude::{BevyPhysicsHooks, NoUserData, RapierPhysicsPlugin};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{
-    in_rapier, refuse_ambiguities, spawn_ready, step, test_app, wait_until_ready,
+    in_rapier, refuse_ambiguities, spawn_ready, step, test_app, test_app_with, wait_until_ready,
 };
 use bevy_envgen::{EnvironmentError, Tile};
 
@@ -28,12 +28,14 @@ fn asset_plugin() -> AssetPlugin {
 
 #[test]
 fn no_two_of_our_systems_are_ambiguous() {
-    let mut app = test_app();
-    refuse_ambiguities(&mut app);
-    let moving = ScenarioSpec { people: 2, smoke: 0.1, ..default() };
-    app.world_mut().spawn((hallway(), EnvironmentScenario::new(moving, 1)));
-    step(&mut app, 3);
-    assert!(walls(&mut app) > 0);
+    let fixed = EnvgenPlugins::default().in_schedule(FixedUpdate);
+    for mut app in [test_app(), test_app_with(fixed)] {
+        refuse_ambiguities(&mut app);
+        let moving = ScenarioSpec { people: 2, smoke: 0.1, ..default() };
+        app.world_mut().spawn((hallway(), EnvironmentScenario::new(moving, 1)));
+        step(&mut app, 3);
+        assert!(walls(&mut app) > 0);
+    }
 }
 
 #[test]

@@ -36,6 +36,7 @@ mod sense;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
+use bevy_envgen::EnvgenSystems;
 use bevy_envgen::scenario::ScenarioSystems;
 use bevy_rapier2d::prelude::PhysicsSet;
 
@@ -94,7 +95,9 @@ impl Plugin for RobotPlugin {
             .configure_sets(
                 self.schedule,
                 (
-                    RobotSystems::Drive.before(PhysicsSet::SyncBackend),
+                    RobotSystems::Drive
+                        .after(EnvgenSystems::Notify)
+                        .before(PhysicsSet::SyncBackend),
                     RobotSystems::Sense.after(PhysicsSet::Writeback).after(ScenarioSystems),
                 ),
             )

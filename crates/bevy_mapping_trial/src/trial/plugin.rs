@@ -3,6 +3,7 @@
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
+use bevy_envgen::EnvgenSystems;
 use bevy_rapier2d::prelude::PhysicsSet;
 
 use super::component::{ManualControl, MappingTrial, TrialRobot};
@@ -54,7 +55,7 @@ impl Plugin for TrialPlugin {
             .configure_sets(
                 self.schedule,
                 (
-                    TrialSystems::Command.before(RobotSystems::Drive),
+                    TrialSystems::Command.after(EnvgenSystems::Notify).before(RobotSystems::Drive),
                     TrialSystems::Record.after(RobotSystems::Sense).after(PhysicsSet::Writeback),
                 ),
             )

@@ -1,16 +1,21 @@
 //! The plugins together with other plugins.
 
+use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{refuse_ambiguities, step, test_app_with};
 use bevy_mapping_trial::prelude::*;
 
 #[test]
 fn no_two_of_our_systems_are_ambiguous() {
-    let mut app = test_app_with((EnvgenPlugins::default(), TrialPlugin::default()));
-    refuse_ambiguities(&mut app);
-    let hallway = Environment::new(HallwaySpec::default(), 1).with_pace(GenerationMode::Blocking);
-    let moving = ScenarioSpec { people: 2, smoke: 0.1, ..Default::default() };
-    app.world_mut().spawn((hallway, EnvironmentScenario::new(moving, 1)));
-    step(&mut app, 3);
-    assert!(app.world_mut().query::<&Wall>().iter(app.world()).count() > 0);
+    let fixed = EnvgenPlugins::default().in_schedule(FixedUpdate);
+    for envgen in [EnvgenPlugins::default(), fixed] {
+        let mut app = test_app_with((envgen, TrialPlugin::default()));
+        refuse_ambiguities(&mut app);
+        let hallway =
+            Environment::new(HallwaySpec::default(), 1).with_pace(GenerationMode::Blocking);
+        let moving = ScenarioSpec { people: 2, smoke: 0.1, ..Default::default() };
+        app.world_mut().spawn((hallway, EnvironmentScenario::new(moving, 1)));
+        step(&mut app, 3);
+        assert!(app.world_mut().query::<&Wall>().iter(app.world()).count() > 0);
+    }
 }
