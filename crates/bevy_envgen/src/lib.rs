@@ -233,7 +233,6 @@ impl Plugin for EnvgenCorePlugin {
             .init_resource::<StreamingBudget>()
             .init_resource::<StreamingReport>()
             .init_resource::<job::PendingEvents>()
-            .register_required_components::<Environment, job::GenerationJob>()
             .insert_resource(EnvgenSchedules { main: self.schedule })
             .add_observer(generate::clean_up)
             .add_observer(generate::rebuild)
@@ -264,6 +263,7 @@ impl Plugin for EnvgenCorePlugin {
                 (generate::watch_transforms, landmarks::follow_environments)
                     .after(TransformSystems::Propagate),
             );
+        job::require(app);
     }
 }
 

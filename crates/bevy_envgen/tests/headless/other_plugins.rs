@@ -81,6 +81,24 @@ fn each_plugin_works_without_its_neighbours() {
     assert!(walls(&mut app) > 0);
 }
 
+#[test]
+fn environments_may_be_spawned_before_the_plugins_are_added() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin));
+    let early = app.world_mut().spawn(hallway()).id();
+    app.add_plugins((TopDownPhysicsPlugin::default(), EnvgenPlugins::default()));
+    app.finish();
+    app.cleanup();
+    let late = app.world_mut().spawn(hallway()).id();
+    for root in [early, late] {
+        wait_until_ready(&mut app, root).unwrap();
+        assert!(walls(&mut app) > 0);
+        app.world_mut().despawn(root);
+    }
+    step(&mut app, 3);
+    assert_eq!((walls(&mut app), in_rapier(&mut app)), (0, (0, 0)));
+}
+
 /// Hooks as an app might have them.
 #[derive(SystemParam)]
 struct OwnHooks;
