@@ -15,7 +15,7 @@ use super::log_world::LogWorld;
 use super::parts::{PartRole, Setup, TrialParts};
 use super::running::{Trajectory, Trial};
 use super::settings::TrialSettings;
-use super::start::starts;
+use super::start::{Moving, starts};
 use crate::autonomy::Autonomy;
 use crate::backend::{RobotBackend, Sensors};
 use crate::flat::{FlatSimulator, FlatWorld};
@@ -68,6 +68,8 @@ pub struct TrialBuilder<'w> {
     measured: Option<(Robot, DVec2, f64)>,
     source: Option<LogWorld>,
     scenario: Option<Scenario>,
+    /// The state of the scenario at its start, once it is known.
+    state: Option<ScenarioState>,
 }
 
 impl<'w> TrialBuilder<'w> {
@@ -82,6 +84,7 @@ impl<'w> TrialBuilder<'w> {
             measured: None,
             source: None,
             scenario: None,
+            state: None,
         }
     }
 
@@ -89,7 +92,7 @@ impl<'w> TrialBuilder<'w> {
     /// their state from [`RobotBackend::scenario`].
     #[must_use]
     pub fn scenario(mut self, scenario: Scenario) -> Self {
-        self.scenario = Some(scenario);
+        (self.scenario, self.state) = (Some(scenario), None);
         self
     }
 
@@ -188,9 +191,21 @@ impl<'w> TrialBuilder<'w> {
     pub fn setup(&mut self) -> Result<Setup<'_>, TrialError> {
         self.settings.validate()?;
         let start = self.settings.start.or(self.world.start).ok_or(TrialError::NoStart)?;
-        let people = self.scenario.as_ref().map_or(&[][..], |scenario| &scenario.people);
         let TrialSettings { robots, body, .. } = &self.settings;
-        self.starts = starts(self.world, start, *robots, body, people)?;
+        let moving = match &self.scenario {
+            Some(scenario) => {
+                let state = match self.state.take() {
+                    Some(state) => state,
+                    None => {
+                        MappableArea::check_size(self.world)?;
+                        ScenarioState::new(self.world, scenario)?
+                    }
+                };
+                Moving::new(&scenario.people, self.state.insert(state))
+            }
+            None => Moving::default(),
+        };
+        self.starts = starts(self.world, start, *robots, body, &moving)?;
         if self.settings.time_per_area.is_some() {
             let area = self.area(self.starts[0])?;
             self.settings.limit_time(area);
@@ -286,15 +301,9 @@ impl<'w> TrialBuilder<'w> {
         place: impl FnOnce(&Setup<'_>, Vec<Sensors>) -> B,
     ) -> Result<Trial<B>, TrialError> {
         self.setup()?;
-        let TrialBuilder { world, parts, settings, starts, source, scenario, .. } = &mut self;
-        let mut moving = None;
-        if let Some(scenario) = scenario.take() {
-            MappableArea::check_size(world)?;
-            let state = ScenarioState::new(world, &scenario)?;
-            moving = Some((scenario, state));
-        }
-        let state = moving.as_ref().map(|(_, state)| state);
-        let setup = Setup { settings, starts, area: world.bounds, scenario: state };
+        let TrialBuilder { world, parts, settings, starts, source, scenario, state, .. } =
+            &mut self;
+        let setup = Setup { settings, starts, area: world.bounds, scenario: state.as_ref() };
         let slam = parts.make_slam(&setup);
         let policy = parts.make_policy(&setup);
         let observer = parts.make_observer(&setup);
@@ -329,8 +338,9 @@ impl<'w> TrialBuilder<'w> {
             door_commands: Vec::new(),
             script: None,
             over: false,
-            scenario: moving
-                .map(|(scenario, _)| Box::new((scenario, SweptCells::new(world.bounds)))),
+            scenario: scenario
+                .take()
+                .map(|scenario| Box::new((scenario, SweptCells::new(world.bounds)))),
             starts: self.starts,
             settings: self.settings,
         })

@@ -63,6 +63,22 @@ pub enum TrialError {
         /// Least distance in metres, at which robot and person touch.
         least: f64,
     },
+    /// A leaf of a door of the scenario is too near to a start when the trial begins.
+    #[error(
+        "a start at ({}, {}) is {distance:.3} m from a leaf of door {door} of the scenario, expected at least \
+         {radius} m",
+        start.position.x, start.position.y
+    )]
+    StartOnDoor {
+        /// The start.
+        start: Pose,
+        /// The index of the door.
+        door: usize,
+        /// Distance in metres from the start to the leaf.
+        distance: f64,
+        /// Radius in metres that a robot needs.
+        radius: f64,
+    },
     /// A robot cannot drive on the ground at the start, or it is water.
     #[error("a robot cannot drive on the ground at the start ({}, {})", start.position.x, start.position.y)]
     DeepStart {

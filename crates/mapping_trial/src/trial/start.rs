@@ -4,7 +4,7 @@ use envgen::World;
 use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Pose, unit_vector};
 use envgen::raycast::Raycaster;
-use envgen::scenario::{PERSON_RADIUS, Person};
+use envgen::scenario::{Leaf, PERSON_RADIUS, Person, ScenarioState};
 use envgen::surface_index::SurfaceIndex;
 use glam::DVec2;
 
@@ -17,14 +17,30 @@ const APART: f64 = 1.0;
 /// Greatest distance of other starts from the first robot's, in metres.
 const FAR: f64 = 8.0;
 
+/// The people and the leaves of doors of a scenario, where they are when a trial begins.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Moving<'a> {
+    people: &'a [Person],
+    /// Each leaf with the index of its door.
+    leaves: Vec<(usize, Leaf)>,
+}
+
+impl<'a> Moving<'a> {
+    /// The people of a scenario, and the leaves in its state at the start.
+    pub(super) fn new(people: &'a [Person], state: &ScenarioState) -> Self {
+        let of = |door: usize| state.leaves(door).map(move |leaf| (door, leaf));
+        Moving { people, leaves: (0..state.doors().len()).flat_map(of).collect() }
+    }
+}
+
 /// Returns a start for each robot: the first at `start`, the others near it and in its sight, with the
-/// same heading. All are free of the people of a scenario, where they begin.
+/// same heading. All are free of people and leaves.
 pub(super) fn starts(
     world: &World,
     start: Pose,
     robots: u32,
     body: &Robot,
-    people: &[Person],
+    Moving { people, leaves }: &Moving<'_>,
 ) -> Result<Vec<Pose>, TrialError> {
     if !world.bounds.contains(start.position) {
         return Err(TrialError::OutsideStart { start });
@@ -45,6 +61,12 @@ pub(super) fn starts(
     if let Some(person) = people.iter().position(is_met) {
         let distance = to_person(start.position, &people[person]);
         return Err(TrialError::OccupiedStart { start, person, distance, least });
+    }
+    let to_leaf = |p: DVec2, leaf: &Leaf| leaf.nearest_point(p).distance(p);
+    let is_met = |(_, leaf): &&(usize, Leaf)| to_leaf(start.position, leaf) < radius;
+    if let Some(&(door, ref leaf)) = leaves.iter().find(is_met) {
+        let distance = to_leaf(start.position, leaf);
+        return Err(TrialError::StartOnDoor { start, door, distance, radius });
     }
     let mut starts = vec![start];
     let rays = Raycaster::at_height(world, body.laser_mount.height);
@@ -71,6 +93,7 @@ pub(super) fn starts(
                 && starts.iter().all(|other| other.position.distance(p) >= APART.max(2.5 * radius))
                 && near.clearance(p) >= radius + 0.05
                 && people.iter().all(|person| to_person(p, person) >= least + 0.05)
+                && leaves.iter().all(|(_, leaf)| to_leaf(p, leaf) >= radius)
                 && !grounds.at(p).is_barrier()
                 && sees(p)
         };
@@ -104,6 +127,10 @@ mod tests {
         world
     }
 
+    fn of(people: &[Person]) -> Moving<'_> {
+        Moving { people, ..Default::default() }
+    }
+
     #[test]
     fn robots_start_apart_and_free() {
         let body = Robot::default();
@@ -111,7 +138,8 @@ mod tests {
             let spec = envgen::indoor::IndoorSpec::default();
             let world = spec.generate(Seed(seed)).expect("a map").to_world();
             let start = world.start.expect("a start");
-            let starts = starts(&world, start, 4, &body, &[]).expect("room for four");
+            let starts =
+                starts(&world, start, 4, &body, &Moving::default()).expect("room for four");
             assert_eq!(starts[0], start);
             for (i, a) in starts.iter().enumerate() {
                 assert!(world.clearance(a.position) >= body.circumscribed_radius);
@@ -128,7 +156,9 @@ mod tests {
         let mut world = room(DVec2::new(3.0, 1.0));
         let error = |world: &World, x: f64, robots| {
             let start = Pose::new(x, 0.5, 0.0);
-            starts(world, start, robots, &body, &[]).expect_err("no start").to_string()
+            starts(world, start, robots, &body, &Moving::default())
+                .expect_err("no start")
+                .to_string()
         };
         let text = error(&world, 0.1, 1);
         assert!(text.contains("(0.1, 0.5)") && text.contains("0.100 m"), "{text}");
@@ -151,13 +181,13 @@ mod tests {
             reaction: Reaction::Regular,
         };
         // Where the second robot starts without the person.
-        let alone = starts(&world, start, 2, &body, &[]).expect("room for two");
+        let alone = starts(&world, start, 2, &body, &Moving::default()).expect("room for two");
         let there = Person { position: alone[1].position, ..person(0.0) };
-        let beside = starts(&world, start, 2, &body, &[there]).expect("room for two");
+        let beside = starts(&world, start, 2, &body, &of(&[there])).expect("room for two");
         let least = body.circumscribed_radius + PERSON_RADIUS;
         assert!(beside[1].position.distance(there.position) >= least, "{beside:?}");
         let met = [person(5.0), person(3.4)];
-        let error = starts(&world, start, 1, &body, &met).expect_err("a person").to_string();
+        let error = starts(&world, start, 1, &body, &of(&met)).expect_err("a person").to_string();
         assert!(error.contains("0.400 m from person 1"), "{error}");
     }
 }

@@ -3,7 +3,9 @@ use std::sync::Arc;
 use envgen::geometry::Pose;
 use envgen::hallway::HallwaySpec;
 use envgen::indoor::IndoorSpec;
+use envgen::scenario::{DoorControl, Scenario, ScenarioSpec, ScenarioState};
 use envgen::{Blueprint, Seed, Spec, World};
+use glam::DVec2;
 
 use super::*;
 use crate::backend::Command;
@@ -200,6 +202,36 @@ fn bad_worlds_and_starts_are_reported() {
     assert!(begin(&world, TrialSettings { start: far, ..short(9.0) }).contains("outside"));
     world.start = None;
     assert!(begin(&world, short(9.0)).contains("no start"));
+}
+
+#[test]
+fn robots_start_off_the_leaves_of_doors() {
+    let world = IndoorSpec { width: 6, height: 6, ..Default::default() }.generate(Seed(3));
+    let world = world.expect("a map").to_world();
+    let door_control = DoorControl::Triggered;
+    let doors = ScenarioSpec { doors: 1.0, door_control, ..Default::default() };
+    let scenario = Scenario::new(&world, &doors, Seed(3)).expect("doors");
+    let state = ScenarioState::new(&world, &scenario).expect("doors");
+    let build = |start: Pose, robots: u32| {
+        let settings = TrialSettings { start: Some(start), robots, ..short(1.0) };
+        Trial::builder(&world, settings).scenario(scenario.clone()).build_flat()
+    };
+    // In a doorway with a closed leaf, and beside it.
+    let middle = state.doorway_middle(0);
+    let at = |position| Pose { position, heading: 0.0 };
+    let error = build(at(middle), 1).err().expect("the leaf is there").to_string();
+    assert!(error.contains("0.000 m from a leaf of door 0"), "{error}");
+    let free = |position: &DVec2| {
+        let robot = Robot::default();
+        let touches = state.all_leaves().any(|leaf| {
+            leaf.nearest_point(*position).distance(*position) < robot.circumscribed_radius
+        });
+        world.clearance(*position) > robot.circumscribed_radius && !touches
+    };
+    let offsets = [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(|along| middle + 0.5 * along);
+    let beside = offsets.into_iter().find(free).expect("free ground");
+    let trial = build(at(beside), 8).expect("room for eight");
+    assert!((0..8).all(|robot| free(&trial.trajectory(robot).poses[0].position)));
 }
 
 #[test]
