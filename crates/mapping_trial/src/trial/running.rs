@@ -387,6 +387,8 @@ impl<B: RobotBackend> Trial<B> {
             return Err(ScoreError::OtherRobot);
         }
         let robots = 0..self.robots();
+        // Parts of one's own and logs may hold counts of any size.
+        let count = |of: &dyn Fn(usize) -> u32| robots.clone().map(of).fold(0, u32::saturating_add);
         let tracks = self.score_tracks(estimated);
         // A robot in water is as lost as one that is stuck.
         let lost = |end: &&Option<RobotEnd>| {
@@ -401,13 +403,11 @@ impl<B: RobotBackend> Trial<B> {
                 time_limit: self.settings.time_limit.min(self.settings.body.battery),
                 distance: self.tracks.iter().map(|track| track.distance).sum(),
                 turning: self.tracks.iter().map(|track| track.turning).sum(),
-                collisions: robots.clone().map(|robot| self.bodies.collisions(robot)).sum(),
+                collisions: count(&|robot| self.bodies.collisions(robot)),
                 moving: self.scenario.as_ref().map(|moving| {
-                    let collisions =
-                        robots.clone().map(|robot| self.bodies.person_collisions(robot)).sum();
-                    (&moving.1, collisions)
+                    (&moving.1, count(&|robot| self.bodies.person_collisions(robot)))
                 }),
-                recoveries: robots.map(|robot| self.recoveries(robot)).sum(),
+                recoveries: count(&|robot| self.recoveries(robot)),
                 stuck: self.ends.iter().filter(lost).count() as u32,
                 energy_left: (self.settings.body.battery - self.time()).max(0.0),
             },

@@ -278,6 +278,16 @@ fn only_worlds_that_their_spec_makes_are_generated_again() {
     assert!(matches!(LogWorld::of(&world), LogWorld::Generated(_)));
     let mut older = world.clone();
     older.provenance.value_version += 1;
+#[test]
+fn counts_of_a_log_that_are_too_large_stop_no_score() {
+    let world = hallway();
+    let mut log = run(&world, TrialSettings { robots: 2, ..short(2.0) }).log();
+    log.recoveries = vec![u32::MAX, 2];
+    let again = log.replay().expect("its own world");
+    let scores = again.score(&again.reference(&world).expect("a start")).expect("scores");
+    assert_eq!(scores.recoveries, u32::MAX);
+}
+
     let mut larger = world;
     larger.provenance.spec["segments"] = 100_000.into();
     for world in [older, larger] {
