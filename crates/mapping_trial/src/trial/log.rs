@@ -161,6 +161,12 @@ impl TrialLog {
             let allowed = format!("the same for every robot, at most {MAX_TICKS} ticks");
             return Err(LogError::Content { field: "commands", value, allowed });
         }
+        let last = log.ends.iter().flatten().map(|end| end.tick).max();
+        if let Some(tick) = last.filter(|&tick| tick > ticks) {
+            let value = format!("one in tick {tick}");
+            let allowed = format!("in tick {ticks} at the latest");
+            return Err(LogError::Content { field: "ends", value, allowed });
+        }
         log.check_door_commands()?;
         Ok(log)
     }

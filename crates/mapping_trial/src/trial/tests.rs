@@ -265,19 +265,19 @@ fn bad_logs_are_reported() {
     let reported = error(&written(&broken));
     assert!(reported.starts_with("the log's world is broken: the bounds"), "{reported}");
 
+    let mut late = log.clone();
+    late.ends = vec![Some(RobotEnd { reason: EndReason::Explored, tick: 41 })];
+    assert_eq!(
+        error(&written(&late)),
+        "`ends` must be in tick 40 at the latest, got one in tick 41"
+    );
+
     let mut moved = log.clone();
     moved.world_digest = "0".repeat(64);
     let reported = moved.replay().map(|_| ()).expect_err("another world").to_string();
     assert!(reported.contains("digest 000"), "{reported}");
 }
 
-/// A world's provenance may be of another version, or claim a spec that is dear to generate.
-#[test]
-fn only_worlds_that_their_spec_makes_are_generated_again() {
-    let world = hallway();
-    assert!(matches!(LogWorld::of(&world), LogWorld::Generated(_)));
-    let mut older = world.clone();
-    older.provenance.value_version += 1;
 #[test]
 fn counts_of_a_log_that_are_too_large_stop_no_score() {
     let world = hallway();
@@ -288,6 +288,13 @@ fn counts_of_a_log_that_are_too_large_stop_no_score() {
     assert_eq!(scores.recoveries, u32::MAX);
 }
 
+/// A world's provenance may be of another version, or claim a spec that is dear to generate.
+#[test]
+fn only_worlds_that_their_spec_makes_are_generated_again() {
+    let world = hallway();
+    assert!(matches!(LogWorld::of(&world), LogWorld::Generated(_)));
+    let mut older = world.clone();
+    older.provenance.value_version += 1;
     let mut larger = world;
     larger.provenance.spec["segments"] = 100_000.into();
     for world in [older, larger] {
