@@ -135,6 +135,21 @@ fn a_driver_that_does_not_wait_is_an_error() {
 }
 
 #[test]
+fn an_error_in_the_last_answer_is_in_the_report() {
+    // After ten seconds the time is up, and the policy is not asked for a command.
+    let hello = HELLO.replace("\"sh\"", "\"sh\", \"slam\": true");
+    let script = format!(
+        r#"{hello} while read line; do case "$line" in
+            *'"time":10.0'*) echo garbage; exec cat > /dev/null;;
+            *) echo '{{"speed": 0.4, "turn_rate": 0}}';; esac; done"#
+    );
+    let (_, report, driver) = run(&script, PATIENCE);
+    let reason = driver.failure().expect("garbage");
+    assert!(reason.contains("(observation 200, at 10.00 s)"), "{reason}");
+    assert_eq!((report.robots[0].end, report.failure), (Some(EndReason::TimeLimit), Some(reason)));
+}
+
+#[test]
 fn a_driver_that_hangs_or_crawls_is_ended() {
     let short = Limits { reply: Duration::from_millis(300), ..PATIENCE };
     let found = failure(&format!("{HELLO} read line; exec sleep 1000"), short);

@@ -1,5 +1,7 @@
 //! The parts of a driver in a trial: the policy and, if the driver provides it, SLAM.
 
+use std::sync::OnceLock;
+
 use envgen::geometry::Pose;
 
 use super::connection::Driver;
@@ -34,13 +36,13 @@ fn name(driver: &Driver) -> String {
 pub struct DriverPolicy {
     driver: Driver,
     name: String,
-    failure: Option<String>,
+    failure: OnceLock<String>,
 }
 
 impl DriverPolicy {
     /// Creates the policy of a driver that has answered the hello.
     pub fn new(driver: &Driver) -> Self {
-        DriverPolicy { driver: driver.clone(), name: name(driver), failure: None }
+        DriverPolicy { driver: driver.clone(), name: name(driver), failure: OnceLock::new() }
     }
 }
 
@@ -61,14 +63,15 @@ impl ExplorationPolicy for DriverPolicy {
         if !session.has_slam() {
             session.tick(robot, view.seen, Some((view.estimates[robot].pose, view.map)));
         }
-        session.decision(robot).unwrap_or_else(|| {
-            self.failure = session.failure().map(str::to_owned);
-            Decision::Failed
-        })
+        session.decision(robot).unwrap_or(Decision::Failed)
     }
 
     fn failure(&self) -> Option<&str> {
-        self.failure.as_deref()
+        // A driver with SLAM may also fail in a tick without a decision: the last one of a robot.
+        if let Some(reason) = self.driver.session().failure() {
+            self.failure.get_or_init(|| reason.to_owned());
+        }
+        self.failure.get().map(String::as_str)
     }
 }
 
