@@ -130,8 +130,16 @@ fn a_driver_that_does_not_wait_is_an_error() {
     let either = ["an unexpected line", "got missing"];
     assert!(either.iter().any(|part| found.contains(part)), "{found}");
     let found = failure(&format!("{HELLO} yes '{{\"speed\": 0, \"turn_rate\": 0}}'"), PATIENCE);
-    let either = ["an unexpected line", "it does not read its input"];
+    let either = ["an unexpected line", "it answers lines that it has not read"];
     assert!(either.iter().any(|part| found.contains(part)), "{found}");
+}
+
+#[test]
+fn an_answer_too_many_is_an_error() {
+    let reply = r#"echo '{"speed": 0.4, "turn_rate": 0}';"#;
+    let script = format!("{HELLO} read line; {reply} {reply} while read line; do {reply} done");
+    let found = failure(&script, PATIENCE);
+    assert!(found.contains("expected one line per line sent"), "{found}");
 }
 
 #[test]

@@ -27,8 +27,8 @@ pub enum DriverError {
     /// All answers of the driver together took too long.
     #[error("its answers took more than {} s together", .0.as_secs_f64())]
     Slow(Duration),
-    /// The driver answers, but does not read its input.
-    #[error("it does not read its input")]
+    /// The driver answers lines that it has not read: it wrote more lines than it got, or does not read.
+    #[error("it answers lines that it has not read; expected one line per line sent")]
     Deaf,
     /// The driver wrote a line for which it was not asked.
     #[error("an unexpected line: `{0}`; expected one line per line sent")]
