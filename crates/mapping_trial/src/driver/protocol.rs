@@ -311,7 +311,8 @@ fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
         .map_err(|error| (Some(error.path().to_string()), error.into_inner()))
         .and_then(|found| input.end().map(|()| found).map_err(|error| (None, error)));
     found.map_err(|(path, error)| {
-        let field = path.filter(|path| path != ".");
+        // `?` is a field whose name is incomplete.
+        let field = path.filter(|path| path != "." && path != "?");
         let field = field.map_or(String::new(), |field| format!("`{}`: ", excerpt(&field)));
         // The error contains the value, which may be as long as the line.
         let column = error.column();
@@ -434,6 +435,12 @@ mod tests {
         assert!(error(r#"{"protocol": "envgen-driver 1", "name": " "}"#).contains("`name`"));
         let text = error(r#"{"protocol": "envgen-driver 1", "name": "a", "rate": 0}"#);
         assert_eq!(text, "`rate` must be from 1 to 200 ticks, got 0");
+    }
+
+    #[test]
+    fn lines_cut_in_two_are_named_as_such() {
+        let text = error(r#"{"speed": 0.5,"#);
+        assert!(text.starts_with("a line that is not an answer: EOF while parsing"), "{text}");
     }
 
     #[test]
