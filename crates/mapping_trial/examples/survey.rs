@@ -182,18 +182,21 @@ fn print(summary: &Summary, faults: usize) {
         println!("\n{:?}: {} trials", group[0].kind, group.len());
         for fault in group.iter().take(faults) {
             let record = &fault.record;
-            let scores = record.scores.unwrap_or_default();
+            let result = record.scores.map_or_else(
+                || format!("no trial: {}", record.failure.as_deref().unwrap_or_default()),
+                |scores| {
+                    format!(
+                        "{} after {:.0} s, C {:.2}, ATE {:.2} m",
+                        record.end.map_or("no end", |end| end.text()),
+                        scores.time,
+                        scores.coverage,
+                        scores.trajectory_error
+                    )
+                },
+            );
             println!(
-                "  {} seed {}, {}, noise {}: {} after {:.0} s, C {:.2}, ATE {:.2} m{}",
-                fault.family,
-                record.world_seed,
-                fault.condition,
-                record.noise_seed,
-                record.end.map_or("no trial", |end| end.text()),
-                scores.time,
-                scores.coverage,
-                scores.trajectory_error,
-                record.failure.as_deref().unwrap_or_default()
+                "  {} seed {}, {}, noise {}: {result}",
+                fault.family, record.world_seed, fault.condition, record.noise_seed
             );
         }
     }
