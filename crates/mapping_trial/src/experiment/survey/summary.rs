@@ -23,8 +23,8 @@ const LOST: f64 = 2.0;
 pub struct Summary {
     /// Results of each family and condition.
     pub groups: Vec<Group>,
-    /// Variance components of each measure, over the worlds whose trials all have scores; empty if the
-    /// survey is not complete or has no repeated trials.
+    /// Variance components of each measure, over the worlds whose trials all have scores, also of a
+    /// survey that is not complete; empty for fewer than two such worlds, or without repeated trials.
     pub measures: Vec<MeasureComponents>,
     /// The order of the worlds by score 1 and by score 2, over the worlds whose trials all have scores;
     /// absent for fewer than two.
