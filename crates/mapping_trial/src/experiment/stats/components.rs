@@ -120,6 +120,13 @@ pub fn components(design: &Factorial) -> Option<Components> {
         let interactions = (0..variances.len() - 1).filter(|&i| of_map(i + 1));
         variances[variances.len() - 1] + interactions.map(|i| variances[i]).sum::<f64>()
     };
+    // What is left by rounding where repeats are equal is no noise.
+    let squares: f64 = design.values.iter().map(|value| value * value).sum();
+    let least = ROUNDING * squares / design.values.len() as f64;
+    let ratio = |variances: &[f64]| {
+        let noise = within(variances);
+        if noise > least { variances[0] / noise } else { f64::INFINITY }
+    };
     let components = (0..found.len()).map(|i| Component {
         effect: design.effect(i),
         variance: found[i],
@@ -127,8 +134,7 @@ pub fn components(design: &Factorial) -> Option<Components> {
     });
     Some(Components {
         components: components.collect(),
-        signal_to_noise: (within(&found) > 0.0)
-            .then(|| interval(&|variances: &[f64]| variances[0] / within(variances))),
+        signal_to_noise: ratio(&found).is_finite().then(|| interval(&ratio)),
         trials_for_fifth: (within(&found) / (0.2 * 0.2)).ceil().max(1.0) as u64,
     })
 }
@@ -145,6 +151,9 @@ impl Factorial {
         names.map(|(_, name)| *name).collect::<Vec<_>>().join(" x ")
     }
 }
+
+/// The greatest variance that rounding leaves, as a share of the mean square of the values.
+const ROUNDING: f64 = 1e-12;
 
 /// The set of the maps alone, by its bit.
 const MAP: usize = 1;
@@ -469,5 +478,14 @@ mod tests {
         let exact = components(&design(vec![2], 2, vec![1.0, 1.0, 2.0, 2.0])).expect("maps");
         assert_eq!(exact.signal_to_noise, None);
         assert_eq!(exact.share("map").map(|share| share.value), Some(1.0));
+        // Repeats are equal, and policies differ alike in all maps: what rounding leaves is no noise.
+        let maps = [0.1, 0.7, 0.3, 0.9].map(|map| [map, map, map + 0.2, map + 0.2]);
+        let alike = components(&design(vec![4, 2], 2, maps.concat())).expect("maps");
+        assert_eq!(alike.signal_to_noise, None);
+        // In one map of several they differ: resamples without it are left out of the interval.
+        let mut values = maps.concat();
+        values[3] += 0.1;
+        let ratio = components(&design(vec![4, 2], 2, values)).expect("maps").signal_to_noise;
+        assert!(ratio.is_some_and(|ratio| ratio.high < 1e4), "{ratio:?}");
     }
 }
