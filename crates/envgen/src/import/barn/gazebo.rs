@@ -152,10 +152,7 @@ fn finish(model: Model, cylinders: &mut Vec<Cylinder>) -> Result<(), PlanError> 
     // That of the model, of its link in it, and of the collision in that; those that are not given are zero.
     let mut pose = Pose::default();
     let [link, collision] = &model.around;
-    for (text, is_needed) in [(&model.pose, true), (link, false), (collision, false)] {
-        if text.trim().is_empty() && !is_needed {
-            continue;
-        }
+    for text in [&model.pose, link, collision].into_iter().filter(|text| !text.trim().is_empty()) {
         let numbers: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
         let Some(&[x, y, _, roll, pitch, yaw]) = numbers.as_deref() else {
             return Err(PlanError::value("pose", short(text), "six finite numbers"));

@@ -321,6 +321,11 @@ fn what_is_wrong_is_named() {
         let error = read_cylinders(&text.replacen(from, to, 1)).unwrap_err().to_string();
         assert!(error.contains(what), "{to}: {error}");
     }
+    // Without a pose, a model is at the origin.
+    let (start, rest) = text.split_once("<pose>").expect("a pose");
+    let (_, end) = rest.split_once("</pose>").expect("its end");
+    let at_origin = read_cylinders(&format!("{start}{end}")).expect("a world");
+    assert!(at_origin.iter().any(|cylinder| cylinder.center == DVec2::ZERO), "{at_origin:?}");
     let mesh = text.replacen("<cylinder>", "<mesh>", 1).replacen("</cylinder>", "</mesh>", 1);
     let error = read_cylinders(&mesh).unwrap_err().to_string();
     assert!(error.contains("`geometry` must be `cylinder` or `plane`, got mesh"), "{error}");
