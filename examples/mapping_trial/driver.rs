@@ -12,6 +12,9 @@ use crate::arguments::Arguments;
 /// output.
 const OURSELVES: &str = "-";
 
+/// The longest time for which a driver can be waited for.
+const MOST_WAITING: Duration = Duration::from_secs(1_000_000_000);
+
 impl Arguments {
     /// Whether standard input and output belong to a driver.
     pub(crate) fn is_driven_by_caller(&self) -> bool {
@@ -47,6 +50,9 @@ impl Arguments {
 }
 
 fn seconds(option: &str, value: f64) -> Result<Duration, String> {
-    let duration = Duration::try_from_secs_f64(value).ok().filter(|value| !value.is_zero());
-    duration.ok_or_else(|| format!("`{option}` must be a number of seconds above 0, got {value}"))
+    let is_allowed = |value: &Duration| !value.is_zero() && *value <= MOST_WAITING;
+    Duration::try_from_secs_f64(value).ok().filter(is_allowed).ok_or_else(|| {
+        let most = MOST_WAITING.as_secs();
+        format!("`{option}` must be a number of seconds above 0, at most {most}, got {value}")
+    })
 }
