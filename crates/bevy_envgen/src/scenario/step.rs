@@ -17,11 +17,15 @@ pub(super) fn step(
     mut runs: Query<Running>,
     agents: Query<&ScenarioAgent>,
     mut doors: Query<&mut Door>,
+    transforms: TransformHelper,
 ) {
     for (entity, mut run, global) in &mut runs {
         if run.is_paused() {
             continue;
         }
+        // The positions of agents are current, so the frame must be current too. Bevy may not have propagated
+        // it since the environment was moved.
+        let global = transforms.compute_global_transform(entity).unwrap_or(*global);
         let known = run.bypass_change_detection();
         for index in 0..known.doors.len() {
             let entity = known.doors[index].door;

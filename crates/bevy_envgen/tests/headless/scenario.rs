@@ -329,6 +329,29 @@ fn an_environment_that_is_moved_turned_and_resized_takes_them_along() {
 }
 
 #[test]
+fn a_door_sees_an_agent_where_it_is_while_both_are_moved() {
+    type Shifted = Or<(With<Environment>, With<ScenarioAgent>)>;
+    let mut app = test_app();
+    let door_control = DoorControl::Triggered;
+    let spec = ScenarioSpec { doors: 1.0, door_control, ..default() };
+    let root = app.world_mut().spawn((indoor(), EnvironmentScenario::new(spec, 1))).id();
+    wait_until_ready(&mut app, root).unwrap();
+    let door = app.world().get::<ScenarioRun>(root).unwrap().doors().next().unwrap();
+    let at = app.world().get::<GlobalTransform>(door).unwrap().translation() + Vec3::Y * 0.5;
+    app.world_mut().spawn((Transform::from_translation(at), ScenarioAgent::new(0.1)));
+    // Moves everything to and fro, as a floating origin does, before Bevy or rapier propagate transforms.
+    let mut by = 64.0;
+    let swing = move |mut all: Query<&mut Transform, Shifted>| {
+        all.iter_mut().for_each(|mut at| at.translation.x += by);
+        by = -by;
+    };
+    let between = swing.after(PhysicsSet::Writeback).before(ScenarioSystems);
+    app.add_systems(FixedUpdate, between);
+    step(&mut app, 100);
+    assert_eq!(app.world().get::<Door>(door).unwrap().openness(), 1.0);
+}
+
+#[test]
 fn people_react_to_agents_and_are_hit_by_bodies() {
     #[derive(Resource, Default)]
     struct Heard(Vec<bool>, Vec<(Entity, Entity)>);
