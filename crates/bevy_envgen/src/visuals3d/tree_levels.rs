@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 
 use super::settings::Visuals3dSettings;
+use crate::environment::Environment;
 
 /// The number of levels.
 pub(super) const LEVELS: usize = 3;
@@ -13,7 +14,7 @@ pub(super) const LEVELS: usize = 3;
 /// ends.
 const COARSEST: f32 = 2.5;
 
-/// The distance in metres that a camera must move before the levels are chosen again.
+/// The distance in metres that a camera must move in an environment before the levels are chosen again.
 const MOVED: f32 = 1.0;
 
 /// A component with the meshes of a trunk or crown, from the finest to the coarsest.
@@ -29,6 +30,7 @@ fn level(distance: f32, detail_distance: f32) -> usize {
 pub(super) fn choose_levels(
     settings: Res<Visuals3dSettings>,
     cameras: Query<(&GlobalTransform, &Camera, &Projection), With<Camera3d>>,
+    environments: Query<&GlobalTransform, With<Environment>>,
     planted: Query<(), Added<TreeLevels>>,
     mut bodies: Query<(&GlobalTransform, &TreeLevels, &mut Mesh3d)>,
     mut chosen_for: Local<(Vec<Vec3>, f32)>,
@@ -38,9 +40,16 @@ pub(super) fn choose_levels(
     // In an orthographic projection distant trees are not smaller.
     let is_flat = cameras().any(|(.., how)| matches!(how, Projection::Orthographic(_)));
     let detail_distance = if is_flat { f32::INFINITY } else { settings.detail_distance };
+    // An app may move environments instead of cameras.
+    let places: Vec<Vec3> = environments
+        .iter()
+        .map(|frame| frame.affine().inverse())
+        .flat_map(|into| eyes.iter().map(move |eye| into.transform_point3(*eye)))
+        .filter(|place| place.is_finite())
+        .collect();
     let (then, distance_then) = &*chosen_for;
-    let has_moved = eyes.len() != then.len()
-        || eyes.iter().zip(then).any(|(now, then)| now.distance(*then) > MOVED);
+    let has_moved = places.len() != then.len()
+        || places.iter().zip(then).any(|(now, then)| now.distance(*then) > MOVED);
     let is_due = has_moved || detail_distance != *distance_then || !planted.is_empty();
     if eyes.is_empty() || !is_due {
         return;
@@ -54,7 +63,7 @@ pub(super) fn choose_levels(
             mesh.0 = wanted.clone();
         }
     });
-    *chosen_for = (eyes, detail_distance);
+    *chosen_for = (places, detail_distance);
 }
 
 #[cfg(test)]

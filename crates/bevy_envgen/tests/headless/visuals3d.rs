@@ -182,7 +182,7 @@ fn trees_share_their_meshes() {
 fn trees_far_from_every_camera_have_fewer_triangles() {
     let mut app = app();
     let spec = ForestSpec { width: 400.0, height: 20.0, intensity: 0.1, ..default() };
-    spawn_ready(&mut app, Environment::new(spec, 1)).unwrap();
+    let forest = spawn_ready(&mut app, Environment::new(spec, 1)).unwrap();
     let eye = |x| (Camera3d::default(), Transform::from_xyz(x, 10.0, 1.0));
     // The triangles of trees, and their smallest distance to these positions.
     let triangles = |app: &mut App, eyes: &[f32]| {
@@ -221,6 +221,12 @@ fn trees_far_from_every_camera_have_fewer_triangles() {
     for (distance, count) in found {
         assert_eq!(count, expected(distance), "{distance}");
     }
+    // The forest is moved instead, so that it is to the right of both cameras.
+    app.world_mut().entity_mut(forest).insert(Transform::from_xyz(500.0, 0.0, 0.0));
+    for (distance, count) in triangles(&mut app, &[-300.0, -110.0]) {
+        assert_eq!(count, expected(distance), "{distance}");
+    }
+    app.world_mut().entity_mut(forest).insert(Transform::IDENTITY);
     // All triangles are drawn with an orthographic projection, and if the settings say so.
     let flat = Projection::Orthographic(OrthographicProjection::default_3d());
     app.world_mut().entity_mut(first).insert(flat);
