@@ -199,7 +199,7 @@ impl Drawing {
                 visibility.set_if_neq(wanted);
             } else {
                 // The group was spawned in this frame, in which the true poses must be hidden as well.
-                canvas.commands.entity(group).insert(wanted);
+                canvas.commands.entity(group).try_insert(wanted);
             }
         }
         let opacity = if view.truth { MAP_OVER_TRUTH } else { 1.0 };
@@ -255,7 +255,7 @@ impl Drawn {
                 place.set_if_neq(at);
             } else {
                 // The entity was spawned in this frame.
-                canvas.commands.entity(entity).insert(at);
+                canvas.commands.entity(entity).try_insert(at);
             }
         };
         put(self.body, place(estimate, origin, BODY));
@@ -318,6 +318,16 @@ impl Drawn {
 }
 
 impl Drawing {
+    /// Returns whether none of its entities is missing. An app may despawn them together with others, such as
+    /// all children of the environment.
+    pub(super) fn is_whole(&self, canvas: &Canvas<'_, '_>) -> bool {
+        let groups = [self.root, self.maps, self.scans, self.trails, self.truths];
+        let bodies = self.robots.iter().flat_map(|robot| [robot.body, robot.true_body, robot.fan]);
+        let sheets = self.sheets.iter().map(|sheet| sheet.entity);
+        let mut all = groups.into_iter().chain(bodies).chain(sheets);
+        all.all(|entity| canvas.places.contains(entity))
+    }
+
     /// Returns whether the trial is a continuation of the drawn one. Another trial of the same environment
     /// begins with fewer ticks.
     pub(super) fn is_of<B: RobotBackend>(&self, trial: &Trial<B>) -> bool {

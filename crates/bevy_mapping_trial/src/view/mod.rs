@@ -273,7 +273,7 @@ fn draw<T: WatchTrial>(
         };
         look_around(trial, origin.0, &mut sights);
         if let Some(mut drawing) = drawing {
-            if drawing.is_of(trial) {
+            if drawing.is_of(trial) && drawing.is_whole(&canvas) {
                 drawing.renew(trial, view, origin.0, &palette, &mut canvas);
                 continue;
             }
@@ -281,7 +281,7 @@ fn draw<T: WatchTrial>(
         }
         if let Some(mut drawing) = Drawing::begin(entity, trial, &palette, &mut canvas) {
             drawing.renew(trial, view, origin.0, &palette, &mut canvas);
-            canvas.commands.entity(entity).insert(drawing);
+            canvas.commands.entity(entity).try_insert(drawing);
         }
     }
 }

@@ -440,6 +440,33 @@ fn a_clone_of_an_environment_has_no_drawing() {
 }
 
 #[test]
+fn drawings_that_an_app_despawns_are_drawn_again() {
+    for name in ["trial view", "map", "scans", "paths", "truth", "robot 0", "scan 0"] {
+        let world = hallway();
+        let mut app = app();
+        let root = watch(&mut app, &world, trial(&world, 2));
+        drive(&mut app, root, 100);
+        step(&mut app, 2);
+        let drawn = named(&mut app, name)[0];
+        app.world_mut().despawn(drawn);
+        for _ in 0..3 {
+            drive(&mut app, root, 20);
+            step(&mut app, 1);
+        }
+        assert_eq!(named(&mut app, name).len(), 1, "{name}");
+        assert_eq!(named(&mut app, "trial view").len(), 1, "{name}");
+        compare(&mut app, root);
+    }
+    // The world too is despawned here.
+    let world = hallway();
+    let mut app = app();
+    let root = watch(&mut app, &world, trial(&world, 2));
+    app.world_mut().entity_mut(root).despawn_children();
+    step(&mut app, 3);
+    assert_eq!(named(&mut app, "trial view").len(), 1);
+}
+
+#[test]
 fn cameras_look_at_robots_and_maps() {
     let world = hallway();
     let mut app = app();
