@@ -1,6 +1,7 @@
 //! Cameras that follow robots or show the whole map.
 
 use bevy::camera::ScalingMode;
+use bevy::math::Affine3A;
 use bevy::prelude::*;
 
 use super::sights::TrialSights;
@@ -15,7 +16,7 @@ pub struct FollowRobot {
     pub trial: Entity,
     /// The index of the robot, counted from 0. Numbers that are too large select the last robot.
     pub robot: usize,
-    /// The height of the visible area in metres.
+    /// The height of the visible area in metres of the environment.
     pub height: f32,
 }
 
@@ -30,7 +31,7 @@ pub struct ShowWholeMap {
     /// The environment of the trial.
     #[entities]
     pub trial: Entity,
-    /// The margin around the map in metres.
+    /// The margin around the map in metres of the environment.
     pub margin: f32,
 }
 
@@ -44,6 +45,15 @@ const ARROW: f32 = 0.06;
 /// A marker component of an arrow at the position of a robot, for maps.
 #[derive(Component)]
 pub(super) struct MapMark;
+
+/// What a camera shows, in metres of the environment.
+#[derive(Clone, Copy)]
+enum Shown {
+    /// An area of this height.
+    Height(f32),
+    /// An area with at least these sides, which are parallel to the axes of the environment.
+    Area(Vec2),
+}
 
 /// The parent of a camera.
 type Above<'a> = Option<&'a ChildOf>;
@@ -69,8 +79,7 @@ pub(super) fn follow(
         let Ok(sights) = trials.get(follow.trial) else { continue };
         let robot = sights.robots.get(follow.robot).or(sights.robots.last());
         let Some(&at) = robot else { continue };
-        let scaling = ScalingMode::FixedVertical { viewport_height: follow.height };
-        look(&mut places, camera, above, (follow.trial, at), scaling);
+        look(&mut places, camera, above, (follow.trial, at), Shown::Height(follow.height));
     }
 }
 
@@ -85,8 +94,7 @@ pub(super) fn show_maps(
         let Ok(sights) = trials.get(whole.trial) else { continue };
         let Some(map) = sights.map else { continue };
         let size = (map.size() + 2.0 * whole.margin).max(Vec2::splat(LEAST));
-        let scaling = ScalingMode::AutoMin { min_width: size.x, min_height: size.y };
-        look(&mut places, camera, above, (whole.trial, map.center()), scaling);
+        look(&mut places, camera, above, (whole.trial, map.center()), Shown::Area(size));
         arrow = Some(ARROW * size.max_element());
     }
     for mut mark in &mut places.p2() {
@@ -104,17 +112,35 @@ fn look(
     camera: Entity,
     above: Above<'_>,
     (environment, at): (Entity, Vec2),
-    scaling: ScalingMode,
+    shown: Shown,
 ) {
     let frames = places.p0();
     let Ok(frame) = frames.compute_global_transform(environment) else { return };
     let at = frame.transform_point(at.extend(0.0));
     let above = above.and_then(|above| frames.compute_global_transform(above.parent()).ok());
-    let at = above.map_or(at, |above| above.affine().inverse().transform_point3(at));
+    let into_parent = above.map_or(Affine3A::IDENTITY, |above| above.affine().inverse());
+    let at = into_parent.transform_point3(at);
+    let [x, y] = [Vec3::X, Vec3::Y].map(|axis| frame.affine().transform_vector3(axis));
     let mut cameras = places.p1();
     let Ok((mut place, mut projection)) = cameras.get_mut(camera) else { return };
     let wanted = Transform { translation: at.truncate().extend(place.translation.z), ..*place };
     place.set_if_neq(wanted);
+    // The axes of the environment in the frame of the camera.
+    let into_camera = Transform { translation: Vec3::ZERO, ..wanted }.compute_affine().inverse();
+    let [x, y] = [x, y]
+        .map(|axis| into_camera.transform_vector3(into_parent.transform_vector3(axis)).truncate());
+    if !(x.is_finite() && y.is_finite() && x != Vec2::ZERO) {
+        return;
+    }
+    let scaling = match shown {
+        Shown::Height(height) => {
+            ScalingMode::FixedVertical { viewport_height: height * x.length() }
+        }
+        Shown::Area(size) => {
+            let around = x.abs() * size.x + y.abs() * size.y;
+            ScalingMode::AutoMin { min_width: around.x, min_height: around.y }
+        }
+    };
     let known = match &*projection {
         Projection::Orthographic(seen) => same(seen.scaling_mode, scaling) && seen.scale == 1.0,
         _ => false,

@@ -467,6 +467,50 @@ fn drawings_that_an_app_despawns_are_drawn_again() {
 }
 
 #[test]
+fn cameras_show_maps_and_robots_in_turned_and_scaled_environments() {
+    let world = hallway();
+    let mut app = app();
+    let root = watch(&mut app, &world, trial(&world, 1));
+    let near = FollowRobot { trial: root, robot: 0, height: 12.0 };
+    let near = app.world_mut().spawn((Camera2d, near)).id();
+    let turned = Transform::from_rotation(Quat::from_rotation_z(0.3));
+    let whole = ShowWholeMap { trial: root, margin: 1.0 };
+    let whole = app.world_mut().spawn((Camera2d, whole, turned)).id();
+    drive(&mut app, root, 400);
+    for (turn, scale) in [(0.0, 1.0), (1.2, 1.0), (std::f32::consts::FRAC_PI_2, 20.0)] {
+        let place = Transform::from_xyz(30.0, -4.0, 0.0)
+            .with_rotation(Quat::from_rotation_z(turn))
+            .with_scale(Vec3::splat(scale));
+        app.world_mut().entity_mut(root).insert(place);
+        step(&mut app, 2);
+        let scaling = |camera: Entity| match app.world().get::<Projection>(camera).unwrap() {
+            Projection::Orthographic(seen) => seen.scaling_mode,
+            _ => panic!("a flat camera"),
+        };
+        let ScalingMode::FixedVertical { viewport_height } = scaling(near) else {
+            panic!("{:?}", scaling(near))
+        };
+        assert!((viewport_height - 12.0 * scale).abs() < 1e-3 * scale, "{viewport_height}");
+        let ScalingMode::AutoMin { min_width, min_height } = scaling(whole) else {
+            panic!("{:?}", scaling(whole))
+        };
+        let map = app.world().get::<TrialSights>(root).unwrap().map.unwrap();
+        let into_camera = app.world().get::<GlobalTransform>(whole).unwrap().affine().inverse();
+        let (mut least, mut most) = (Vec2::MAX, Vec2::MIN);
+        let others = [Vec2::new(map.min.x, map.max.y), Vec2::new(map.max.x, map.min.y)];
+        for corner in [map.min, map.max].into_iter().chain(others) {
+            let seen = into_camera.transform_point3(place.transform_point(corner.extend(0.0)));
+            (least, most) = (least.min(seen.truncate()), most.max(seen.truncate()));
+        }
+        let half = 0.5 * Vec2::new(min_width, min_height);
+        assert!(most.cmple(half).all() && least.cmpge(-half).all(), "{least} {most} {half}");
+        // There is little around the map.
+        let around = 2.0 * half - (most - least);
+        assert!(around.cmple(Vec2::splat(13.0 * scale)).all(), "{least} {most} {half}");
+    }
+}
+
+#[test]
 fn cameras_look_at_robots_and_maps() {
     let world = hallway();
     let mut app = app();
