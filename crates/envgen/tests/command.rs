@@ -589,7 +589,10 @@ fn what_moves_is_generated_drawn_and_read_back() {
     assert!(made.stderr.is_empty());
     let world = with(&["--set", "people=3", "--out", &path("map.json")]);
     let note = String::from_utf8(world.stderr).unwrap();
-    assert!(world.status.success() && note.starts_with("note: no file holds the"), "{note}");
+    assert!(
+        world.status.success() && note.starts_with("note: the files do not hold the"),
+        "{note}"
+    );
     let refused = |more: &[&str], why: &str| {
         let (code, text) = failure(&[&small[..], more].concat());
         assert!(code != 0 && text.contains(why), "{text}");

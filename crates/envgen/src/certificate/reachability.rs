@@ -172,8 +172,10 @@ impl<'a> StartGround<'a> {
     fn new(world: &'a World, radius: f64, budget: &mut Budget) -> Result<Option<Self>, Doubt> {
         let Some(start) = world.start.map(|start| start.position) else { return Ok(None) };
         let area = world.bounds.union(Rect::new(start, start));
-        let pieces = Pieces::new(barriers(world), radius + PLACE_MARGIN)?;
-        let outlines = Outlines::new(barriers(world));
+        let shapes: Vec<_> = barriers(world).collect();
+        let borrowed = shapes.iter().map(|shape| Cow::Borrowed(&**shape));
+        let pieces = Pieces::new(borrowed, radius + PLACE_MARGIN)?;
+        let outlines = Outlines::new(shapes.into_iter());
         let space = Space { pieces: &pieces, outlines: &outlines, area, radius };
         let clearance = space.clearance(start, budget)?;
         match Barriers::new(&pieces, area, radius).nearer(clearance, radius) {

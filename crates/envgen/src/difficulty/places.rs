@@ -19,7 +19,7 @@ const LEAST_ISLAND: f64 = 4.0;
 
 features! {
     /// The graph of places. A place is the ground around a maximum of the clearance. Two places are separate if the
-    /// passage between them has less than 0.75 of the clearance (up to 1.5 m) of both. They are connected by one
+    /// passage between them has less than 0.75 of the [clearance](super::Clearance) of both. They are connected by one
     /// link for each passage.
     pub struct Places {
         /// Number of places, V.

@@ -20,6 +20,9 @@ pub(super) const AREA_TOLERANCE: f64 = 1e-3;
 /// The least width of kerbs in metres. Far from the origin, narrower kerbs lose their area to rounding.
 const LEAST_KERB: f64 = 1e-6;
 
+/// The greatest length of a road in metres.
+const MAX_LENGTH: f64 = 1e6;
+
 /// The greatest number of segments of a road.
 pub const MAX_SEGMENTS: usize = 4096;
 
@@ -50,7 +53,7 @@ settings! {
     /// ```
     pub struct RoadSpec {
         /// Length.
-        length: f64 = 1000.0 => number("m", 0.1..=1e6);
+        length: f64 = 1000.0 => number("m", 0.1..=MAX_LENGTH);
         /// Distance between waypoints, at most the length; the road's own is the nearest that divides the
         /// length.
         #[group = "segments"]
@@ -242,7 +245,6 @@ impl RoadSpec {
         }
         let turns = self.most_turns();
         let straights = (self.count() - turns) as f64 * self.reserve(false);
-        let needed = self.needed_millimetres() / 1e3;
         let each = (self.length - straights) / turns as f64;
         let radius = each * (1.0 - self.transition) / self.theta_min.to_radians();
         let cure = if turns > 0 && each >= self.min_segment_length && radius >= self.fixed_radius()
@@ -253,10 +255,14 @@ impl RoadSpec {
             "at any speed".to_owned()
         };
         let most = if self.segment_count > 0 { "up to " } else { "" };
-        let allowed = format!(
-            "at least {needed:.3} m for {most}{turns} turns and {} straights, {cure}",
-            self.count() - turns
-        );
+        let needed = self.needed_millimetres() / 1e3;
+        let enough = if needed <= MAX_LENGTH {
+            format!("at least {needed:.3} m")
+        } else {
+            format!("at least {needed:.0} m, which is more than the greatest of {MAX_LENGTH} m,")
+        };
+        let straights = self.count() - turns;
+        let allowed = format!("{enough} for {most}{turns} turns and {straights} straights, {cure}");
         Err(SpecError::new("length", self.length, allowed))
     }
 

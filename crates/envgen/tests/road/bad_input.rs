@@ -148,6 +148,13 @@ fn the_speed_that_an_error_names_is_the_greatest() {
     // Where the width alone asks for too much, no speed helps.
     let wide = RoadSpec { width: 100.0, length: 40.0, ..Default::default() };
     assert!(wide.validate().unwrap_err().to_string().contains("at any speed"));
+    // Longer than any road.
+    let fast = RoadSpec { speed: 1000.0, friction: 0.01, ..RoadSpec::default() };
+    let text = fast.validate().unwrap_err().to_string();
+    assert!(
+        text.contains(" m, which is more than the greatest of 1000000 m, for 2 turns"),
+        "{text}"
+    );
 }
 
 #[test]

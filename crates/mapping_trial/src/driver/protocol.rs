@@ -312,7 +312,8 @@ fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
         .and_then(|found| input.end().map(|()| found).map_err(|error| (None, error)));
     found.map_err(|(path, error)| {
         // `?` is a field whose name is incomplete.
-        let field = path.filter(|path| path != "." && path != "?");
+        let whole = |path: String| path.trim_end_matches(['?', '.']).to_owned();
+        let field = path.map(whole).filter(|path| !path.is_empty());
         let field = field.map_or(String::new(), |field| format!("`{}`: ", excerpt(&field)));
         // The error contains the value, which may be as long as the line.
         let column = error.column();
@@ -441,6 +442,8 @@ mod tests {
     fn lines_cut_in_two_are_named_as_such() {
         let text = error(r#"{"speed": 0.5,"#);
         assert!(text.starts_with("a line that is not an answer: EOF while parsing"), "{text}");
+        let text = error(r#"{"speed": 0, "map": {"origin": [0, 0],"#);
+        assert!(text.starts_with("a line that is not an answer: `map`: EOF"), "{text}");
     }
 
     #[test]

@@ -77,7 +77,7 @@ pub trait ExplorationPolicy {
         &[]
     }
 
-    /// Returns why it decided on [`Decision::Failed`]; `None` while it works.
+    /// Returns why it failed, after [`Decision::Failed`] or at the end of a trial; `None` while it works.
     fn failure(&self) -> Option<&str> {
         None
     }

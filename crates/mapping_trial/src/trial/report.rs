@@ -41,7 +41,8 @@ pub struct TrialReport {
     /// The parts that were plugged in, in place of those that the settings name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
-    /// Why the policy failed; absent if it did not fail.
+    /// Why the policy, or the driver that also does SLAM, failed; absent if it did not fail. After a failure in the
+    /// last tick the ends have other reasons.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
     /// The scores: the quality of the map, and the difficulty of the world.

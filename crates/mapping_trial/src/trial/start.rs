@@ -93,7 +93,7 @@ pub(super) fn starts(
                 && starts.iter().all(|other| other.position.distance(p) >= APART.max(2.5 * radius))
                 && near.clearance(p) >= radius + 0.05
                 && people.iter().all(|person| to_person(p, person) >= least + 0.05)
-                && leaves.iter().all(|(_, leaf)| to_leaf(p, leaf) >= radius)
+                && leaves.iter().all(|(_, leaf)| to_leaf(p, leaf) >= radius + 0.05)
                 && !grounds.at(p).is_barrier()
                 && sees(p)
         };

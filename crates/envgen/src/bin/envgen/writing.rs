@@ -78,8 +78,8 @@ impl Begun {
         say_sizes(world, self.resolution, &self.outputs)?;
         if self.scenario.is_some() && !self.outputs.iter().any(shows_scenario) {
             note(
-                "no file holds the doors, people and smoke: they are drawn in pictures, and written to files that end \
-                 with .scenario.ron",
+                "the files do not hold the doors, people and smoke: pictures show them, and files that end with \
+                 .scenario.ron hold them",
             );
         }
         self.picture.scenario.clone_from(&self.scenario);

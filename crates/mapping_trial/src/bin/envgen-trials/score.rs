@@ -155,12 +155,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     spinner.finish_and_clear();
     let has_walls = ros_map.cells.contains(&RosCell::Occupied);
     if has_walls && map.precision_30 < LEAST_PRECISION {
+        let options = match (arguments.frame, arguments.fit) {
+            (Frame::World, false) => "check --frame, or use --fit if the frame is known roughly",
+            (Frame::World, true) => "check --frame",
+            (Frame::Start, false) => {
+                "check --frame and --start, or use --fit if the frame is known roughly"
+            }
+            (Frame::Start, true) => "check --frame and --start",
+        };
         warn(&format!(
-            "only {:.0} % of the map's walls are near walls of the world: check --frame and --start, or use --fit if \
-             the frame is known roughly",
+            "only {:.0} % of the map's walls are near walls of the world: {options}",
             100.0 * map.precision_30
         ));
-    } else if is_ground < LEAST_GROUND {
+    }
+    if is_ground < LEAST_GROUND {
         warn(&format!(
             "only {:.0} % of the map's free cells are ground that the robot can cover: what it has not seen must be \
              unknown in the map, or it counts as covered",
