@@ -167,8 +167,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             "only {:.0} % of the map's walls are near walls of the world: {options}",
             100.0 * map.precision_30
         ));
-    }
-    if is_ground < LEAST_GROUND {
+    } else if is_ground < LEAST_GROUND {
         warn(&format!(
             "only {:.0} % of the map's free cells are ground that the robot can cover: what it has not seen must be \
              unknown in the map, or it counts as covered",
