@@ -142,8 +142,8 @@ fn a_trial_fails_where_a_step_is_no_tick_until_that_is_corrected() {
     let rapier = |app: &mut App, step: f64| {
         app.insert_resource(TimestepMode::Fixed { dt: step as f32, substeps: 4 });
     };
-    let changes: [(&dyn Fn(&mut App, f64), &str); 2] =
-        [(&fixed, "fixed step"), (&rapier, "rapier's step")];
+    type Change<'a> = (&'a dyn Fn(&mut App, f64), &'a str);
+    let changes: [Change<'_>; 2] = [(&fixed, "fixed step"), (&rapier, "rapier's step")];
     for (set, name) in changes {
         let mut app = app(20.0);
         let root = running(&mut app, short(60.0));
