@@ -102,7 +102,7 @@ fn draw(
     let (Some(mut meshes), Some(mut materials)) = (meshes, materials) else { return };
     let Ok((model, number, children)) = robots.get(inserted.entity) else { return };
     for &child in children.into_iter().flatten().filter(|child| parts.contains(**child)) {
-        commands.entity(child).despawn();
+        commands.entity(child).try_despawn();
     }
     if model.validate().is_err() {
         return;
@@ -117,15 +117,27 @@ fn draw(
         })
     };
     let (body, dark) = (paint(color), paint(Color::srgb_u8(0x20, 0x22, 0x26)));
-    commands.entity(inserted.entity).insert_if_new(Visibility::default());
-    let drawn = bodies(model).into_iter().map(|(part, mesh, at)| {
+    let parts = bodies(model).into_iter().map(|(part, mesh, at)| {
         let material = if part == RobotPart::Body { &body } else { &dark };
         let mesh = (Mesh3d(meshes.add(mesh)), MeshMaterial3d(material.clone()));
-        let name = Name::new(format!("{part:?}"));
-        commands.spawn((name, part, mesh, at, ChildOf(inserted.entity))).id()
+        (Name::new(format!("{part:?}")), part, mesh, at)
     });
-    let drawn = DrawnParts(drawn.collect());
-    commands.entity(inserted.entity).try_insert(drawn);
+    let (robot, parts): (_, Vec<_>) = (inserted.entity, parts.collect());
+    commands.queue(move |world: &mut World| {
+        if let Ok(mut robot) = world.get_entity_mut(robot) {
+            robot.insert_if_new(Visibility::default());
+        }
+        let mut drawn = Vec::new();
+        for part in parts {
+            // Another observer may have despawned the robot.
+            if world.get_entity(robot).is_ok() {
+                drawn.push(world.spawn((part, ChildOf(robot))).id());
+            }
+        }
+        if let Ok(mut robot) = world.get_entity_mut(robot) {
+            robot.insert(DrawnParts(drawn));
+        }
+    });
 }
 
 /// Returns the bodies of a robot on the floor, with its centre at the origin and its heading along x.

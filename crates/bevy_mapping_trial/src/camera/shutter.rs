@@ -118,7 +118,7 @@ pub(super) fn fit(
         return fail(error);
     }
     if !camera.images.color {
-        commands.entity(robot).insert(Shutter::default());
+        commands.entity(robot).try_insert(Shutter::default());
         return;
     }
     let Some(mut images) = images else { return fail(CameraError::NoRenderer) };
@@ -133,7 +133,7 @@ pub(super) fn fit(
         near_clip_plane: Vec4::new(0.0, 0.0, -1.0, -NEAR),
         ..default()
     };
-    let eye = commands.spawn((
+    let eye = (
         Name::new("Robot's camera"),
         Eye,
         Camera3d::default(),
@@ -143,10 +143,17 @@ pub(super) fn fit(
         Tonemapping::KhronosPbrNeutral,
         Msaa::Off,
         CameraPose::on_robot(camera),
-        ChildOf(robot),
-    ));
-    let view = RobotCameraView { image, camera: eye.id() };
-    commands.entity(robot).insert((view, Shutter::default()));
+    );
+    commands.queue(move |world: &mut World| {
+        // Another observer may have despawned the robot or removed its camera.
+        if world.get::<RobotCamera>(robot).is_none() {
+            return;
+        }
+        let camera = world.spawn((eye, ChildOf(robot))).id();
+        if let Ok(mut robot) = world.get_entity_mut(robot) {
+            robot.insert((RobotCameraView { image, camera }, Shutter::default()));
+        }
+    });
 }
 
 /// Removes the components that a camera needed.

@@ -9,6 +9,7 @@ use bevy_mapping_trial::camera::{
     CameraError, CameraFailed, CameraImages, RobotCamera, RobotCameraPlugin, RobotCameraView,
 };
 use bevy_mapping_trial::prelude::*;
+use bevy_mapping_trial::view3d::RobotVisuals3dPlugin;
 
 /// Spawns a robot with a camera in an app without a renderer, and returns the errors that were reported for
 /// it.
@@ -64,4 +65,35 @@ fn errors_say_what_is_missing() {
     assert_eq!(errors(blind, Some(endless)), [CameraError::Endless]);
     let wrong = errors(RobotCamera { width: 0, ..blind }, hallway());
     assert!(matches!(wrong[..], [CameraError::Setting { field: "width", .. }]), "{wrong:?}");
+}
+
+#[test]
+fn nothing_is_left_of_a_robot_that_an_observer_despawns_as_it_is_spawned() {
+    for (of_model, color) in [(true, true), (true, false), (false, true), (false, false)] {
+        let plugins = (EnvgenPlugins::default(), RobotPlugin::default(), RobotCameraPlugin);
+        let mut app = test_app_with((plugins, RobotVisuals3dPlugin));
+        app.init_asset::<Image>().init_asset::<Mesh>().init_asset::<StandardMaterial>();
+        let despawn = |robot: Entity, mut commands: Commands| commands.entity(robot).despawn();
+        if of_model {
+            app.add_observer(move |added: On<Add, RobotModel>, commands: Commands| {
+                despawn(added.entity, commands);
+            });
+        } else {
+            app.add_observer(move |added: On<Add, RobotCamera>, commands: Commands| {
+                despawn(added.entity, commands);
+            });
+        }
+        let camera = RobotCamera { images: CameraImages { color, ..default() }, ..default() };
+        let mut drawn = app.world_mut().query_filtered::<(), Or<(With<Camera3d>, With<Mesh3d>)>>();
+        app.world_mut().spawn((RobotModel::default(), camera));
+        step(&mut app, 2);
+        assert_eq!(drawn.iter(app.world()).count(), 0);
+        // The model and the camera come one after the other.
+        let robot = app.world_mut().spawn(RobotModel::default()).id();
+        if let Ok(mut robot) = app.world_mut().get_entity_mut(robot) {
+            robot.insert(camera);
+        }
+        step(&mut app, 2);
+        assert_eq!(drawn.iter(app.world()).count(), 0);
+    }
 }
