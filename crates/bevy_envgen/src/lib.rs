@@ -66,9 +66,9 @@
 //!
 //! All systems are in the schedule of [`EnvgenPlugins::in_schedule`], which is `Update` by default, in the
 //! order of the sets of [`EnvgenSystems`]: `Request`, `Collect`, `Spawn`, `Stream`, `Notify`. If that is the
-//! schedule of rapier or of scenarios, these are after `Notify`. Difficulties are computed after them.
-//! Changes of transforms are detected in `PostUpdate`. Doors, people and smoke move in [`ScenarioSystems`],
-//! which is in `FixedUpdate` by default, after rapier's `PhysicsSet::Writeback`.
+//! schedule of rapier or of scenarios, rapier and scenarios run after `Notify`. So do difficulties. Changes of
+//! transforms are detected in `PostUpdate`. Doors, people and smoke move in [`ScenarioSystems`], which is in
+//! `FixedUpdate` by default, after rapier's `PhysicsSet::Writeback`.
 //!
 //! # Features
 //!

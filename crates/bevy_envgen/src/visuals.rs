@@ -18,7 +18,7 @@ use self::part_group::{GroupMaterials, PartGroup, material};
 use crate::environment::{Environment, GroundTruth};
 use crate::job::spawned_origin;
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
-use crate::scenario::{Door, DoorLeaf, Person, Smoke};
+use crate::scenario::{Door, DoorLeaf, Person, ScenarioSystems, Smoke};
 use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSpawned};
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
@@ -58,7 +58,10 @@ impl Plugin for EnvgenVisualsPlugin {
         let main = EnvgenSchedules::of(app).main;
         app.add_systems(
             main,
-            (moving::stretch_leaves, moving::fade_smoke).after(EnvgenSystems::Notify),
+            (moving::stretch_leaves, moving::fade_smoke)
+                .after(EnvgenSystems::Notify)
+                // An app may have scenarios in the same schedule.
+                .after(ScenarioSystems),
         );
         require_visibility(app);
     }

@@ -76,11 +76,14 @@ impl Plugin for EnvgenPhysicsPlugin {
             .add_systems(
                 main,
                 (
-                    height::filter_bodies,
-                    moving::report_collisions.run_if(resource_exists::<Messages<CollisionEvent>>),
-                )
-                    .after(EnvgenSystems::Notify)
-                    .before(PhysicsSet::SyncBackend),
+                    height::filter_bodies
+                        .after(EnvgenSystems::Notify)
+                        .before(PhysicsSet::SyncBackend),
+                    moving::report_collisions
+                        .after(EnvgenSystems::Notify)
+                        .after(PhysicsSet::Writeback)
+                        .run_if(resource_exists::<Messages<CollisionEvent>>),
+                ),
             );
     }
 }

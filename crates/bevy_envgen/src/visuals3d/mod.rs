@@ -44,6 +44,7 @@ pub use sky::Sky;
 pub use stage::{Stage, Sun};
 pub use tile::TileMesh;
 
+use crate::scenario::ScenarioSystems;
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
 use crate::visuals::require_visibility;
 
@@ -112,7 +113,9 @@ impl Plugin for EnvgenVisuals3dPlugin {
                 smoke::thicken_smoke,
                 smoke::measure_depths,
             )
-                .after(EnvgenSystems::Notify),
+                .after(EnvgenSystems::Notify)
+                // An app may have scenarios in the same schedule.
+                .after(ScenarioSystems),
         )
         .add_systems(
             PostUpdate,

@@ -10,7 +10,9 @@ use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::envgen::{Seed, WorldSpec};
 use bevy_envgen::prelude::*;
 use bevy_envgen::scenario::{Reactions, Scenario, ScenarioError, ScenarioState};
-use bevy_envgen::testing::{in_rapier, spawn_ready, step, test_app, truth, wait_until_ready};
+use bevy_envgen::testing::{
+    in_rapier, spawn_ready, step, test_app, test_app_with, truth, wait_until_ready,
+};
 
 use super::GenerateWorld;
 
@@ -349,6 +351,42 @@ fn a_door_sees_an_agent_where_it_is_while_both_are_moved() {
     app.add_systems(FixedUpdate, between);
     step(&mut app, 100);
     assert_eq!(app.world().get::<Door>(door).unwrap().openness(), 1.0);
+}
+
+#[test]
+fn a_collision_with_a_person_is_reported_in_its_step() {
+    #[derive(Resource, Default)]
+    struct Heard(Vec<Entity>);
+    let fixed = EnvgenPlugins::default().in_schedule(FixedUpdate);
+    for envgen in [EnvgenPlugins::default(), fixed] {
+        let mut app = test_app_with(envgen);
+        app.init_resource::<Heard>().add_observer(
+            |collision: On<PersonCollision>, mut heard: ResMut<Heard>| {
+                heard.0.push(collision.entity);
+            },
+        );
+        let spec = ScenarioSpec { people: 1, waiting: 1e6, ..default() };
+        let hall = Environment::new(IndoorSpec::default(), 4);
+        let root = app.world_mut().spawn((hall, EnvironmentScenario::new(spec, 1))).id();
+        wait_until_ready(&mut app, root).unwrap();
+        let person = app.world().get::<ScenarioRun>(root).unwrap().people()[0];
+        let at = app.world().get::<GlobalTransform>(person).unwrap().translation();
+        let aside = Transform::from_translation(at + Vec3::X * 0.4);
+        let ball = (RigidBody::Dynamic, Collider::ball(0.1), Velocity::linear(Vec2::NEG_X * 0.5));
+        let ball = app.world_mut().spawn((ball, aside)).id();
+        let mut known = app.world().resource::<Messages<CollisionEvent>>().get_cursor();
+        let mut has_begun = false;
+        for _ in 0..40 {
+            step(&mut app, 1);
+            let events = app.world().resource::<Messages<CollisionEvent>>();
+            has_begun |= known.read(events).any(|event| {
+                matches!(event, CollisionEvent::Started(a, b, _) if [[*a, *b], [*b, *a]].contains(&[person, ball]))
+            });
+            let heard = &app.world().resource::<Heard>().0[..];
+            assert_eq!(heard, &[person][..usize::from(has_begun)]);
+        }
+        assert!(has_begun);
+    }
 }
 
 #[test]
