@@ -30,23 +30,6 @@ pub(crate) struct GenerationJob {
     pub(crate) job: Job,
 }
 
-/// Adds a job to every environment, including those that the app has spawned before it adds the plugin. After
-/// that, Bevy registers no more required components.
-pub(crate) fn require(app: &mut App) {
-    if app.try_register_required_components::<Environment, GenerationJob>().is_ok() {
-        return;
-    }
-    let world = app.world_mut();
-    let mut spawned = world.query_filtered::<Entity, With<Environment>>();
-    let spawned: Vec<Entity> = spawned.iter(world).collect();
-    for environment in spawned {
-        world.entity_mut(environment).insert_if_new(GenerationJob::default());
-    }
-    app.add_observer(|added: On<Add, Environment>, mut commands: Commands| {
-        commands.entity(added.entity).try_insert_if_new(GenerationJob::default());
-    });
-}
-
 /// Everything that a world depends on.
 #[derive(Clone, PartialEq)]
 pub(crate) struct Request {

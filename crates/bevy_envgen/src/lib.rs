@@ -103,6 +103,7 @@ pub mod part;
 pub mod physics;
 mod place;
 mod plan;
+mod require;
 pub mod scenario;
 mod shape;
 mod spawn;
@@ -263,7 +264,7 @@ impl Plugin for EnvgenCorePlugin {
                 (generate::watch_transforms, landmarks::follow_environments)
                     .after(TransformSystems::Propagate),
             );
-        job::require(app);
+        require::require::<Environment, job::GenerationJob>(app);
     }
 }
 

@@ -18,6 +18,7 @@ use self::part_group::{GroupMaterials, PartGroup, material};
 use crate::environment::{Environment, GroundTruth};
 use crate::job::spawned_origin;
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
+use crate::require::require;
 use crate::scenario::{Door, DoorLeaf, Person, ScenarioSystems, Smoke};
 use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSpawned};
@@ -68,16 +69,16 @@ impl Plugin for EnvgenVisualsPlugin {
 }
 
 /// Makes [`Visibility`] a required component of environments, tiles, parts and entities of scenarios, so that
-/// an app can hide them. Bevy hides the children of an entity without it. It is no error if another plugin
-/// has already required it.
+/// an app can hide them with everything below them. What is below an entity without it is visible. It is no
+/// error if another plugin has already required it, or if some of these entities exist.
 pub fn require_visibility(app: &mut App) {
-    app.try_register_required_components::<Environment, Visibility>().ok();
-    app.try_register_required_components::<Tile, Visibility>().ok();
-    app.try_register_required_components::<PartId, Visibility>().ok();
-    app.try_register_required_components::<Person, Visibility>().ok();
-    app.try_register_required_components::<Door, Visibility>().ok();
-    app.try_register_required_components::<DoorLeaf, Visibility>().ok();
-    app.try_register_required_components::<Smoke, Visibility>().ok();
+    require::<Environment, Visibility>(app);
+    require::<Tile, Visibility>(app);
+    require::<PartId, Visibility>(app);
+    require::<Person, Visibility>(app);
+    require::<Door, Visibility>(app);
+    require::<DoorLeaf, Visibility>(app);
+    require::<Smoke, Visibility>(app);
 }
 
 /// Draws the parts of a tile.

@@ -1,12 +1,13 @@
 //! The two-dimensional meshes of worlds, tested without a renderer.
 
+use bevy::camera::visibility::VisibilityPlugin;
 use bevy::mesh::{Mesh2d, MeshPlugin};
 use bevy::prelude::*;
-use bevy_envgen::EnvgenPlugins;
 use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::prelude::*;
 use bevy_envgen::scenario::DoorKinds;
 use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth, wait_until_ready};
+use bevy_envgen::{EnvgenPlugins, Tile};
 
 /// Creates an app with everything that drawing needs except a GPU.
 fn app() -> App {
@@ -153,4 +154,34 @@ fn without_plugins_for_meshes_nothing_is_drawn() {
     let mut app = test_app_with(EnvgenPlugins::default());
     spawn_ready(&mut app, Environment::new(WorldKind::Hallway.default_spec(), 2)).unwrap();
     assert_eq!(app.world_mut().query::<&Mesh2d>().iter(app.world()).count(), 0);
+}
+
+#[test]
+fn an_app_can_hide_environments_that_precede_the_plugins() {
+    let indoor = || {
+        Environment::new(WorldKind::Indoor.default_spec(), 1).with_pace(GenerationMode::Blocking)
+    };
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default()));
+    app.add_plugins((MeshPlugin, VisibilityPlugin));
+    let early = app.world_mut().spawn(indoor()).id();
+    let hidden = app.world_mut().spawn((indoor(), Visibility::Hidden)).id();
+    app.add_plugins(EnvgenPlugins::default()).init_asset::<ColorMaterial>();
+    let late = app.world_mut().spawn(indoor()).id();
+    let late_hidden = app.world_mut().spawn((indoor(), Visibility::Hidden)).id();
+    step(&mut app, 3);
+    let seen = |app: &mut App, root: Entity| {
+        let mut tiles =
+            app.world_mut().query_filtered::<(&ChildOf, &InheritedVisibility), With<Tile>>();
+        let tiles = tiles.iter(app.world()).filter(|(below, _)| below.parent() == root);
+        let seen: Vec<bool> = tiles.map(|(_, seen)| seen.get()).collect();
+        assert!(!seen.is_empty() && seen.iter().all(|now| *now == seen[0]));
+        seen[0]
+    };
+    for (root, is_seen) in [(early, true), (hidden, false), (late, true), (late_hidden, false)] {
+        assert_eq!(seen(&mut app, root), is_seen);
+        *app.world_mut().get_mut::<Visibility>(root).unwrap() = Visibility::Hidden;
+        step(&mut app, 1);
+        assert!(!seen(&mut app, root));
+    }
 }
