@@ -14,14 +14,37 @@ pub(super) const LEVELS: usize = 3;
 /// ends.
 const COARSEST: f32 = 2.5;
 
-/// The distance in metres that a camera must move in an environment before the levels are chosen again.
+/// The distance, in global units as those of the levels, that a camera must move in an environment before the
+/// levels are chosen again.
 const MOVED: f32 = 1.0;
+
+/// The relative change of an environment's scale after which the levels are chosen again.
+const RESIZED: f32 = 0.01;
 
 /// A component with the meshes of a trunk or crown, from the finest to the coarsest.
 #[derive(Component)]
 pub(super) struct TreeLevels(pub(super) Arc<[Handle<Mesh>; LEVELS]>);
 
-/// Returns the level for a distance in metres to the nearest camera.
+/// The place of a camera in an environment, and the scale of the environment.
+pub(super) struct Place {
+    at: Vec3,
+    scale: Vec3,
+}
+
+impl Place {
+    /// Returns the place of a camera at a global position, or `None` in an environment without a size.
+    fn new(frame: &GlobalTransform, eye: Vec3) -> Option<Place> {
+        let at = frame.affine().inverse().transform_point3(eye);
+        at.is_finite().then(|| Place { at, scale: frame.scale() })
+    }
+
+    fn has_moved(&self, since: &Place) -> bool {
+        let resized = (self.scale - since.scale).abs().cmpgt(RESIZED * since.scale.abs()).any();
+        resized || (self.scale * (self.at - since.at)).length() > MOVED
+    }
+}
+
+/// Returns the level for a distance to the nearest camera.
 fn level(distance: f32, detail_distance: f32) -> usize {
     [1.0, COARSEST].iter().filter(|&&factor| distance > factor * detail_distance).count()
 }
@@ -33,7 +56,7 @@ pub(super) fn choose_levels(
     environments: Query<&GlobalTransform, With<Environment>>,
     planted: Query<(), Added<TreeLevels>>,
     mut bodies: Query<(&GlobalTransform, &TreeLevels, &mut Mesh3d)>,
-    mut chosen_for: Local<(Vec<Vec3>, f32)>,
+    mut chosen_for: Local<(Vec<Place>, f32)>,
 ) {
     let cameras = || cameras.iter().filter(|(_, camera, _)| camera.is_active);
     let eyes: Vec<Vec3> = cameras().map(|(at, ..)| at.translation()).collect();
@@ -41,15 +64,13 @@ pub(super) fn choose_levels(
     let is_flat = cameras().any(|(.., how)| matches!(how, Projection::Orthographic(_)));
     let detail_distance = if is_flat { f32::INFINITY } else { settings.detail_distance };
     // An app may move environments instead of cameras.
-    let places: Vec<Vec3> = environments
+    let places: Vec<Place> = environments
         .iter()
-        .map(|frame| frame.affine().inverse())
-        .flat_map(|into| eyes.iter().map(move |eye| into.transform_point3(*eye)))
-        .filter(|place| place.is_finite())
+        .flat_map(|frame| eyes.iter().filter_map(move |eye| Place::new(frame, *eye)))
         .collect();
     let (then, distance_then) = &*chosen_for;
     let has_moved = places.len() != then.len()
-        || places.iter().zip(then).any(|(now, then)| now.distance(*then) > MOVED);
+        || places.iter().zip(then).any(|(now, then)| now.has_moved(then));
     let is_due = has_moved || detail_distance != *distance_then || !planted.is_empty();
     if eyes.is_empty() || !is_due {
         return;

@@ -187,12 +187,13 @@ fn trees_far_from_every_camera_have_fewer_triangles() {
     // The triangles of trees, and their smallest distance to these positions.
     let triangles = |app: &mut App, eyes: &[f32]| {
         step(app, 1);
-        let mut drawn = app.world_mut().query::<(&TileMesh, &Mesh3d, &Transform)>();
+        let mut drawn = app.world_mut().query::<(&TileMesh, &Mesh3d, &GlobalTransform)>();
         let meshes = app.world().resource::<Assets<Mesh>>();
         let trees = drawn.iter(app.world()).filter(|(mesh, ..)| mesh.finish == Finish::Leaves);
         let mut found: Vec<(f32, usize)> = trees
             .map(|(_, mesh, at)| {
-                let eyes = eyes.iter().map(|x| at.translation.distance(Vec3::new(*x, 10.0, 1.0)));
+                let at = at.translation();
+                let eyes = eyes.iter().map(|x| at.distance(Vec3::new(*x, 10.0, 1.0)));
                 let count = meshes.get(&mesh.0).unwrap().indices().unwrap().len() / 3;
                 (eyes.fold(f32::INFINITY, f32::min), count)
             })
@@ -211,7 +212,7 @@ fn trees_far_from_every_camera_have_fewer_triangles() {
         assert_eq!(count, expected(distance), "{distance}");
     }
     // Adds another camera, and moves one.
-    app.world_mut().spawn(eye(390.0));
+    let second = app.world_mut().spawn(eye(390.0)).id();
     for (distance, count) in triangles(&mut app, &[0.0, 390.0]) {
         assert_eq!(count, expected(distance), "{distance}");
     }
@@ -223,8 +224,27 @@ fn trees_far_from_every_camera_have_fewer_triangles() {
     }
     // The forest is moved instead, so that it is to the right of both cameras.
     app.world_mut().entity_mut(forest).insert(Transform::from_xyz(500.0, 0.0, 0.0));
-    for (distance, count) in triangles(&mut app, &[-300.0, -110.0]) {
+    for (distance, count) in triangles(&mut app, &[200.0, 390.0]) {
         assert_eq!(count, expected(distance), "{distance}");
+    }
+    // The forest is enlarged. A camera at its origin sees that too, and each moves by little in it.
+    for (scale, [one, two]) in [
+        (1.0, [0.0, 0.0]),
+        (10.0, [0.0, 0.0]),
+        (10.0, [9.0, 0.0]),
+        (0.5, [9.0, 0.0]),
+        (0.5, [11.0, 0.0]),
+    ] {
+        app.world_mut()
+            .entity_mut(forest)
+            .insert(Transform::from_xyz(0.0, 10.0, 1.0).with_scale(Vec3::splat(scale)));
+        app.world_mut().entity_mut(first).insert(Transform::from_xyz(one, 10.0, 1.0));
+        app.world_mut().entity_mut(second).insert(Transform::from_xyz(two, 10.0, 1.0));
+        let found = triangles(&mut app, &[one, two]);
+        assert!(found.iter().any(|(distance, _)| *distance > 150.0));
+        for (distance, count) in found {
+            assert_eq!(count, expected(distance), "{scale} {one} {two} {distance}");
+        }
     }
     app.world_mut().entity_mut(forest).insert(Transform::IDENTITY);
     // All triangles are drawn with an orthographic projection, and if the settings say so.
