@@ -71,6 +71,7 @@ pub(super) struct Drawing {
 /// The drawing of one robot.
 struct Drawn {
     body: Entity,
+    mark: Entity,
     true_body: Entity,
     fan: Entity,
     fan_mesh: Handle<Mesh>,
@@ -85,6 +86,20 @@ struct Drawn {
     tracked: usize,
     /// The tick at which the trail was last redrawn from its beginning.
     renewed: Option<usize>,
+}
+
+/// Spawns an entity below a parent. If the parent is despawned in the same frame, so is the entity, which
+/// would stay without a parent.
+fn spawn_below(commands: &mut Commands<'_, '_>, parent: Entity, parts: impl Bundle) -> Entity {
+    let entity = commands.spawn_empty().id();
+    commands.queue(move |world: &mut World| {
+        if world.get_entity(parent).is_err() {
+            world.despawn(entity);
+        } else if let Ok(mut entity) = world.get_entity_mut(entity) {
+            entity.insert((parts, ChildOf(parent)));
+        }
+    });
+    entity
 }
 
 /// Returns a pose as a transform in the frame of the environment.
@@ -115,14 +130,14 @@ impl Drawing {
         let true_ink = materials.add(palette.truth);
         let mut group = |name: &'static str, parent: Entity, height: f32| {
             let at = Transform::from_xyz(0.0, 0.0, height);
-            commands.spawn((Name::new(name), at, Visibility::default(), ChildOf(parent))).id()
+            spawn_below(commands, parent, (Name::new(name), at, Visibility::default()))
         };
         let root = group("trial view", environment, ABOVE);
         let maps = group("map", root, 0.0);
         let scans = group("scans", root, 0.0);
         let trails = group("paths", root, 0.0);
         let truths = group("truth", root, 0.0);
-        commands.entity(root).insert(DrawingRoot);
+        commands.entity(root).try_insert(DrawingRoot);
         let robots = (0..trial.robots()).map(|robot| {
             let color = palette.robot(robot);
             let ink = materials.add(color);
@@ -135,10 +150,13 @@ impl Drawing {
                     let name = Name::new(format!("{name} {robot}"));
                     let look = (Mesh2d(mesh.clone()), MeshMaterial2d(ink.clone()));
                     // Meshes that change would need new bounds each time, and the other meshes are few.
-                    commands.spawn((name, look, NoFrustumCulling, ChildOf(parent))).id()
+                    spawn_below(commands, parent, (name, look, NoFrustumCulling))
                 };
+            let body = part("robot", &body, &ink, root);
+            let mark = part("mark of robot", &arrow, &ink, body);
             let drawn = Drawn {
-                body: part("robot", &body, &ink, root),
+                body,
+                mark,
                 true_body: part("true robot", &outline, &true_ink, truths),
                 fan: part("scan", &fan_mesh, &light, scans),
                 fan_mesh,
@@ -151,9 +169,8 @@ impl Drawing {
                 tracked: 0,
                 renewed: None,
             };
-            let mark = part("mark of robot", &arrow, &ink, drawn.body);
             let above = Transform::from_xyz(0.0, 0.0, MARK - BODY);
-            commands.entity(mark).insert((MapMark, above, RenderLayers::layer(MINIMAP_LAYER)));
+            commands.entity(mark).try_insert((MapMark, above, RenderLayers::layer(MINIMAP_LAYER)));
             drawn
         });
         let robots = robots.collect();
@@ -232,7 +249,7 @@ impl Drawing {
                 ..default()
             };
             let name = Name::new(format!("map ({}, {})", at.0, at.1));
-            commands.spawn((name, sprite, Transform::from_translation(middle), ChildOf(maps))).id()
+            spawn_below(commands, maps, (name, sprite, Transform::from_translation(middle)))
         });
     }
 }
@@ -283,12 +300,12 @@ impl Drawn {
         let mut ribbon = |ink: &Handle<ColorMaterial>, parent, height, mesh| {
             let look = (Mesh2d(mesh), MeshMaterial2d(ink.clone()));
             let at = Transform::from_xyz(0.0, 0.0, height);
-            commands.spawn((Name::new("path"), look, at, NoFrustumCulling, ChildOf(parent)));
+            spawn_below(commands, parent, (Name::new("path"), look, at, NoFrustumCulling))
         };
         let at = |p: DVec2| (p - origin).as_vec2();
         for pose in track.get(self.tracked..).unwrap_or_default() {
             self.true_trail.extend(at(pose.position), meshes, |mesh| {
-                ribbon(&self.true_ink, truths, TRUE_TRAIL, mesh);
+                ribbon(&self.true_ink, truths, TRUE_TRAIL, mesh)
             });
         }
         let missed = tick - self.tracked.min(tick);
@@ -322,9 +339,12 @@ impl Drawing {
     /// all children of the environment.
     pub(super) fn is_whole(&self, canvas: &Canvas<'_, '_>) -> bool {
         let groups = [self.root, self.maps, self.scans, self.trails, self.truths];
-        let bodies = self.robots.iter().flat_map(|robot| [robot.body, robot.true_body, robot.fan]);
+        let robots = self.robots.iter().flat_map(|robot| {
+            let trails = robot.trail.entities().chain(robot.true_trail.entities());
+            [robot.body, robot.mark, robot.true_body, robot.fan].into_iter().chain(trails)
+        });
         let sheets = self.sheets.iter().map(|sheet| sheet.entity);
-        let mut all = groups.into_iter().chain(bodies).chain(sheets);
+        let mut all = groups.into_iter().chain(robots).chain(sheets);
         all.all(|entity| canvas.places.contains(entity))
     }
 

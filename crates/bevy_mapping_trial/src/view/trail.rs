@@ -18,7 +18,7 @@ const HALF: f32 = 0.03;
 /// A drawn trajectory in the frame of the environment.
 #[derive(Debug, Default)]
 pub(super) struct Trail {
-    ribbons: Vec<Handle<Mesh>>,
+    ribbons: Vec<(Handle<Mesh>, Entity)>,
     /// The number of segments that are drawn.
     segments: usize,
     last: Option<Vec2>,
@@ -30,7 +30,7 @@ impl Trail {
         &mut self,
         to: Vec2,
         meshes: &mut Assets<Mesh>,
-        mut spawn: impl FnMut(Handle<Mesh>),
+        mut spawn: impl FnMut(Handle<Mesh>) -> Entity,
     ) {
         let Some(from) = self.last else {
             self.last = Some(to);
@@ -42,12 +42,12 @@ impl Trail {
         let (ribbon, segment) = (self.segments / SEGMENTS, self.segments % SEGMENTS);
         if ribbon == self.ribbons.len() {
             let mesh = meshes.add(blank());
-            spawn(mesh.clone());
-            self.ribbons.push(mesh);
+            let entity = spawn(mesh.clone());
+            self.ribbons.push((mesh, entity));
         }
         let side = along.perp() * HALF;
         let corners = [from - side, to - side, to + side, from + side];
-        if let Some(mut mesh) = meshes.get_mut(&self.ribbons[ribbon])
+        if let Some(mut mesh) = meshes.get_mut(&self.ribbons[ribbon].0)
             && let Some(quads) = positions(&mut mesh)
         {
             for (corner, p) in quads[4 * segment..].iter_mut().zip(corners) {
@@ -58,9 +58,14 @@ impl Trail {
         self.last = Some(to);
     }
 
+    /// Returns the entities of the ribbons.
+    pub(super) fn entities(&self) -> impl Iterator<Item = Entity> {
+        self.ribbons.iter().map(|(_, entity)| *entity)
+    }
+
     /// Clears the trail, and keeps the ribbons for reuse.
     pub(super) fn clear(&mut self, meshes: &mut Assets<Mesh>) {
-        for ribbon in &self.ribbons {
+        for (ribbon, _) in &self.ribbons {
             if let Some(mut mesh) = meshes.get_mut(ribbon)
                 && let Some(quads) = positions(&mut mesh)
             {

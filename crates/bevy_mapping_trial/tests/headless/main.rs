@@ -16,3 +16,5 @@ mod scenario;
 mod trial;
 #[cfg(feature = "render")]
 mod view;
+#[cfg(feature = "render")]
+mod view_despawned;
