@@ -6,12 +6,21 @@ use crate::environment::EnvironmentError;
 
 /// Computes the global transform of an entity exactly as Bevy will propagate it.
 pub(crate) fn global_transform(world: &World, entity: Entity) -> GlobalTransform {
-    let parent = |entity| world.get::<ChildOf>(entity).map(ChildOf::parent);
+    let parent = |entity| world.get::<ChildOf>(entity);
+    propagated(entity, |entity| world.get::<Transform>(entity), parent)
+}
+
+/// Computes the same from the transforms and parents of entities.
+pub(crate) fn propagated<'a>(
+    entity: Entity,
+    local: impl Fn(Entity) -> Option<&'a Transform>,
+    parent: impl Fn(Entity) -> Option<&'a ChildOf>,
+) -> GlobalTransform {
     let mut locals = Vec::new();
     let mut next = Some(entity);
     while let Some(entity) = next {
-        locals.push(world.get::<Transform>(entity).copied().unwrap_or_default());
-        next = parent(entity);
+        locals.push(local(entity).copied().unwrap_or_default());
+        next = parent(entity).map(ChildOf::parent);
     }
     let root = locals.pop().unwrap_or_default();
     locals.iter().rfold(root.into(), |above: GlobalTransform, local| above.mul_transform(*local))

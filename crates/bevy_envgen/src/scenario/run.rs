@@ -32,6 +32,8 @@ pub struct ScenarioRun {
     scenario: Arc<Scenario>,
     /// The point of the world that is at the origin of the environment.
     pub(super) origin: DVec2,
+    /// The global transform of the environment in the current step, which Bevy may not have propagated yet.
+    pub(super) frame: GlobalTransform,
     pub(super) state: ScenarioState,
     /// The expected state after the next tick, if nothing in the app changes it. It is known only while the
     /// steps of the schedule are not whole ticks.
@@ -335,6 +337,7 @@ fn spawn(
     ScenarioRun {
         scenario,
         origin,
+        frame: global,
         state,
         ahead: None,
         between: None,

@@ -6,10 +6,11 @@ use super::ScenarioAgent;
 use super::part::{Door, DoorChange, DoorChanged, DoorLeaf, Person, PersonReacted, Smoke};
 use super::pose::{leaf_poses, person_pose};
 use super::run::ScenarioRun;
+use crate::place::propagated;
 use crate::shape::LocalFrame;
 
 /// A running scenario.
-type Running = (Entity, &'static mut ScenarioRun, &'static GlobalTransform);
+type Running = (Entity, &'static mut ScenarioRun);
 
 /// Advances all scenarios by a step of the schedule.
 pub(super) fn step(
@@ -17,16 +18,16 @@ pub(super) fn step(
     mut runs: Query<Running>,
     agents: Query<&ScenarioAgent>,
     mut doors: Query<&mut Door>,
-    transforms: TransformHelper,
+    places: Query<&Transform>,
+    parents: Query<&ChildOf>,
 ) {
-    for (entity, mut run, global) in &mut runs {
-        if run.is_paused() {
+    for (entity, mut run) in &mut runs {
+        let known = run.bypass_change_detection();
+        // The positions of agents are current, so the frame must be current too.
+        known.frame = propagated(entity, |at| places.get(at).ok(), |below| parents.get(below).ok());
+        if known.is_paused() {
             continue;
         }
-        // The positions of agents are current, so the frame must be current too. Bevy may not have propagated
-        // it since the environment was moved.
-        let global = transforms.compute_global_transform(entity).unwrap_or(*global);
-        let known = run.bypass_change_detection();
         for index in 0..known.doors.len() {
             let entity = known.doors[index].door;
             let command = doors.get(entity).ok().and_then(|door| door.command);
@@ -36,7 +37,7 @@ pub(super) fn step(
                 known.command_door(index, command).ok();
             }
         }
-        let affine = global.affine().as_daffine3().inverse();
+        let affine = known.frame.affine().as_daffine3().inverse();
         let robots = agents.iter().filter_map(|agent| agent.robot(&affine, known.origin));
         let mut robots: Vec<_> = robots.collect();
         // The order of the query depends on the history of the app, so robots are sorted by position.
@@ -57,19 +58,19 @@ type Placed = (&'static mut Person, &'static mut Transform, &'static mut GlobalT
 
 /// Moves people to their current poses, which physics may have changed, and updates smoke.
 pub(super) fn place(
-    runs: Query<(&ScenarioRun, &GlobalTransform)>,
+    runs: Query<&ScenarioRun>,
     mut people: Query<Placed, Without<ScenarioRun>>,
     mut smoke: Query<&mut Smoke>,
     mut reacted: MessageWriter<PersonReacted>,
     mut commands: Commands,
 ) {
-    for (run, global) in &runs {
+    for run in &runs {
         let frame = LocalFrame::new(run.origin);
         for (&entity, now) in run.people.iter().zip(run.now().people()) {
             let Ok((mut person, mut at, mut above)) = people.get_mut(entity) else { continue };
             let place = person_pose(frame, now);
             at.set_if_neq(place);
-            above.set_if_neq(global.mul_transform(place));
+            above.set_if_neq(run.frame.mul_transform(place));
             let (velocity, reacts) = (now.velocity.as_vec2(), now.is_reacting());
             if person.reacts != reacts {
                 let event = PersonReacted { entity, begins: reacts };
@@ -93,13 +94,13 @@ type PlacedLeaf = (&'static mut DoorLeaf, &'static mut Transform, &'static mut G
 
 /// Moves leaves to their current poses, and reports changes of doors.
 pub(super) fn place_leaves(
-    runs: Query<(&ScenarioRun, &GlobalTransform)>,
+    runs: Query<&ScenarioRun>,
     mut doors: Query<&mut Door>,
     mut leaves: Query<PlacedLeaf, Without<ScenarioRun>>,
     mut changed: MessageWriter<DoorChanged>,
     mut commands: Commands,
 ) {
-    for (run, global) in &runs {
+    for run in &runs {
         let frame = LocalFrame::new(run.origin);
         for (index, (known, now)) in run.doors.iter().zip(run.state.doors()).enumerate() {
             let Ok(mut door) = doors.get_mut(known.door) else { continue };
@@ -123,7 +124,7 @@ pub(super) fn place_leaves(
                 let Ok((mut leaf, mut at, mut above)) = leaves.get_mut(entity) else { continue };
                 leaf.set_if_neq(now);
                 at.set_if_neq(place);
-                above.set_if_neq(global.mul_transform(known.at).mul_transform(place));
+                above.set_if_neq(run.frame.mul_transform(known.at).mul_transform(place));
             }
         }
     }

@@ -353,6 +353,41 @@ fn a_door_sees_an_agent_where_it_is_while_both_are_moved() {
     assert_eq!(app.world().get::<Door>(door).unwrap().openness(), 1.0);
 }
 
+/// A resource with the largest distance between a person or leaf and its current place.
+#[derive(Resource, Default)]
+struct Astray(f32);
+
+#[test]
+fn people_and_leaves_are_in_an_environment_that_moves_in_the_same_step() {
+    type Moving = Or<(With<Person>, With<DoorLeaf>)>;
+    let (mut app, root) = busy(3);
+    app.init_resource::<Astray>();
+    let shift = |mut all: Query<&mut Transform, With<Environment>>| {
+        all.iter_mut().for_each(|mut at| at.translation.x += 64.0);
+    };
+    let look = |moving: Query<(Entity, &GlobalTransform), Moving>,
+                transforms: TransformHelper,
+                mut astray: ResMut<Astray>| {
+        for (entity, known) in &moving {
+            let at = transforms.compute_global_transform(entity).unwrap().translation();
+            astray.0 = astray.0.max(known.translation().distance(at));
+        }
+    };
+    app.add_systems(
+        FixedUpdate,
+        (shift.after(PhysicsSet::Writeback).before(ScenarioSystems), look.after(ScenarioSystems)),
+    );
+    for is_paused in [false, true] {
+        app.world_mut().get_mut::<ScenarioRun>(root).unwrap().set_paused(is_paused);
+        step(&mut app, 10);
+        assert!(
+            app.world().resource::<Astray>().0 < 0.01,
+            "{}",
+            app.world().resource::<Astray>().0
+        );
+    }
+}
+
 #[test]
 fn a_collision_with_a_person_is_reported_in_its_step() {
     #[derive(Resource, Default)]
