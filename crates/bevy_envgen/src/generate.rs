@@ -335,11 +335,13 @@ pub(crate) fn notify(world: &mut World) {
                 }
             }
             Err(error) => {
-                root.insert((EnvironmentState::Failed, EnvironmentFailure(error.clone())));
-                log::warn!("environment {entity}: {error}");
-                let failed = EnvironmentFailed { entity, error };
-                world.write_message(failed.clone());
-                world.trigger(failed);
+                let failure = (EnvironmentState::Failed, EnvironmentFailure(error.clone()));
+                if insert(world, entity, failure) {
+                    log::warn!("environment {entity}: {error}");
+                    let failed = EnvironmentFailed { entity, error };
+                    world.write_message(failed.clone());
+                    world.trigger(failed);
+                }
             }
         }
         world.flush();

@@ -406,3 +406,31 @@ fn nothing_is_left_of_an_environment_that_an_observer_of_its_tiles_removes() {
     }
     assert!(!app.world().entity(root).contains::<GroundTruth>());
 }
+
+#[test]
+fn no_failure_is_reported_of_an_environment_that_an_observer_has_removed() {
+    #[derive(Resource, Default)]
+    struct Heard(usize);
+    let remove = |inserted: On<Insert, EnvironmentFailure>, mut commands: Commands| {
+        commands.entity(inserted.entity).remove::<Environment>();
+    };
+    let despawn = |inserted: On<Insert, EnvironmentFailure>, mut commands: Commands| {
+        commands.entity(inserted.entity).despawn();
+    };
+    for (observer, expected) in
+        [(None, 1), (Some(Observer::new(remove)), 0), (Some(Observer::new(despawn)), 0)]
+    {
+        let mut app = test_app();
+        app.init_resource::<Heard>();
+        app.add_observer(|_: On<EnvironmentFailed>, mut heard: ResMut<Heard>| heard.0 += 1);
+        if let Some(observer) = observer {
+            app.world_mut().spawn(observer);
+        }
+        let wrong = ForestSpec { width: -1.0, ..default() };
+        app.world_mut().spawn(Environment::new(wrong, 1).with_pace(GenerationMode::Blocking));
+        step(&mut app, 4);
+        assert_eq!(app.world().resource::<Heard>().0, expected);
+        let mut failures = app.world_mut().query::<&EnvironmentFailure>();
+        assert_eq!(failures.iter(app.world()).count(), expected);
+    }
+}
