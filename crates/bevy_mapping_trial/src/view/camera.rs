@@ -129,12 +129,15 @@ fn look(
     let into_camera = Transform { translation: Vec3::ZERO, ..wanted }.compute_affine().inverse();
     let [x, y] = [x, y]
         .map(|axis| into_camera.transform_vector3(into_parent.transform_vector3(axis)).truncate());
-    if !(x.is_finite() && y.is_finite() && x != Vec2::ZERO) {
+    if !(x.is_finite() && y.is_finite() && x.perp_dot(y) != 0.0) {
         return;
     }
     let scaling = match shown {
+        // The height of a circle of this diameter. The parent of the camera may be scaled differently along
+        // its axes.
         Shown::Height(height) => {
-            ScalingMode::FixedVertical { viewport_height: height * x.length() }
+            let viewport_height = height * Vec2::new(x.y, y.y).length();
+            ScalingMode::FixedVertical { viewport_height }
         }
         Shown::Area(size) => {
             let around = x.abs() * size.x + y.abs() * size.y;

@@ -529,6 +529,11 @@ fn cameras_look_at_robots_and_maps() {
     assert!(look(&app, whole).0.distance(map.center() + Vec2::new(30.0, 0.0)) < 1e-3);
     let at = app.world().get::<GlobalTransform>(carried).unwrap().translation().truncate();
     assert!(at.distance(robot) < 1e-3, "{at}");
+    // A parent that is stretched along x shows more to the sides, and the same height.
+    app.world_mut().entity_mut(cart).insert(Transform::from_scale(Vec3::new(4.0, 1.0, 1.0)));
+    step(&mut app, 1);
+    let (_, scaling) = look(&app, carried);
+    assert!(matches!(scaling, ScalingMode::FixedVertical { viewport_height: 12.0 }), "{scaling:?}");
 }
 
 #[test]
