@@ -195,6 +195,10 @@ pub fn in_rapier(app: &mut App) -> (usize, usize) {
     (colliders.colliders.len(), bodies.bodies.len())
 }
 
+/// A system set without systems.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+struct Checked;
+
 /// Makes the app panic if two of its systems in `Update`, `FixedUpdate` or `PostUpdate` access the same data
 /// in an undefined order.
 pub fn refuse_ambiguities(app: &mut App) {
@@ -202,6 +206,8 @@ pub fn refuse_ambiguities(app: &mut App) {
         app.edit_schedule(schedule, |schedule| {
             let ambiguity_detection = LogLevel::Error;
             schedule.set_build_settings(ScheduleBuildSettings { ambiguity_detection, ..default() });
+            // A schedule that has run is built again only if it has changed.
+            schedule.configure_sets(Checked);
         });
     }
 }
