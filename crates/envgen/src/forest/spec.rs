@@ -225,7 +225,7 @@ impl ForestSpec {
         }
         let (area, peak) = self.area_and_peak();
         let mut limit = most / (area * peak);
-        // A limit that is refused itself, by rounding, is none.
+        // By rounding, the limit may itself be too great.
         while limit * peak * area > most {
             limit = limit.next_down();
         }
