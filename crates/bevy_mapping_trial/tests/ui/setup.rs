@@ -68,7 +68,7 @@ fn what_a_setting_does_is_shown_under_the_pointer() {
     let mut world = SpecForm::new(&WorldKind::Indoor.default_spec(), Seed(3));
     let screen = Screen::new(PANEL);
     for (name, help) in [
-        ("width", "Columns of the grid\na whole number from 4 to 1024"),
+        ("width", "a cell has the side `cell_size`\na whole number from 4 to 1024"),
         ("robots", TrialSettings::setting("robots").help),
         ("slam", TrialSettings::setting("slam").help),
         ("smoke", ScenarioSpec::setting("smoke").help),
