@@ -534,3 +534,38 @@ fn promises_that_open_doors_break_end_with_exit_code_1() {
     assert!(hinged.contains("only through doors[0]: room 0 (store)\n"), "{hinged}");
     assert!(hinged.contains("only through doors[1]: surfaces[0] (hallway)\n"), "{hinged}");
 }
+
+#[test]
+fn what_moves_is_generated_drawn_and_read_back() {
+    const SMALL: &str = "generate indoor --seed 3 --set width=6 --set height=6";
+    let folder = Folder::new();
+    let text = |name: &str| fs::read_to_string(folder.path(name)).unwrap();
+    let small = |more: &str| folder.notes(&format!("{SMALL} {more}"));
+    let settings = "--set doors=0.6 --set people=3 --set smoke=0.4";
+    assert_eq!(small(&format!("{settings} --out map.svg --out map.scenario.ron")), "");
+    let drawn = text("map.svg");
+    for id in ["doors", "people", "smoke"] {
+        assert!(drawn.contains(&format!("id=\"{id}\"")), "no {id}");
+    }
+    // The same picture from the file, and nothing else without it.
+    small("--scenario map.scenario.ron --out again.svg");
+    assert_eq!(text("again.svg"), drawn);
+    small("--out still.svg");
+    assert!(!text("still.svg").contains("id=\"people\""));
+    // A world file alone holds nothing that moves, which is reported.
+    let note = small("--set people=3 --out map.json");
+    assert!(note.starts_with("note: the files do not hold the"), "{note}");
+    for (more, code, why) in [
+        ("--set people=-2 --out x.png", 2, "`people` must be"),
+        ("--set people=9999 --out x.png", 2, "no more fit"),
+        ("--set poeple=2 --out x.png", 2, "did you mean `people`?"),
+        ("--out map.scenario.ron", 1, "no doors, people or smoke that move"),
+        ("--set people=2 --scenario map.scenario.ron --out x.png", 2, "cannot be used with"),
+        ("--scenario map.scenario.ron --out map.scenario.ron", 2, "input"),
+    ] {
+        let error = folder.error(&format!("{SMALL} {more}"), code);
+        assert!(error.contains(why), "{more}: {error}");
+    }
+    let error = folder.error("generate forest --set doors=0.5 --out x.png", 2);
+    assert!(error.contains("no open doorway"), "{error}");
+}
