@@ -330,15 +330,21 @@ fn an_environment_that_is_moved_turned_and_resized_takes_them_along() {
     assert_eq!(agents.iter(app.world()).count(), 1);
 }
 
-#[test]
-fn a_door_sees_an_agent_where_it_is_while_both_are_moved() {
-    type Shifted = Or<(With<Environment>, With<ScenarioAgent>)>;
+/// An app with a map whose doors open for agents, and one of these doors.
+fn with_triggered_doors() -> (App, Entity) {
     let mut app = test_app();
     let door_control = DoorControl::Triggered;
     let spec = ScenarioSpec { doors: 1.0, door_control, ..default() };
     let root = app.world_mut().spawn((indoor(), EnvironmentScenario::new(spec, 1))).id();
     wait_until_ready(&mut app, root).unwrap();
     let door = app.world().get::<ScenarioRun>(root).unwrap().doors().next().unwrap();
+    (app, door)
+}
+
+#[test]
+fn a_door_sees_an_agent_where_it_is_while_both_are_moved() {
+    type Shifted = Or<(With<Environment>, With<ScenarioAgent>)>;
+    let (mut app, door) = with_triggered_doors();
     let at = app.world().get::<GlobalTransform>(door).unwrap().translation() + Vec3::Y * 0.5;
     app.world_mut().spawn((Transform::from_translation(at), ScenarioAgent::new(0.1)));
     // Moves everything to and fro, as a floating origin does, before Bevy or rapier propagate transforms.
@@ -457,12 +463,7 @@ fn people_react_to_agents_and_are_hit_by_bodies() {
 
 #[test]
 fn a_door_opens_for_an_agent_and_bad_agents_are_ignored() {
-    let mut app = test_app();
-    let door_control = DoorControl::Triggered;
-    let spec = ScenarioSpec { doors: 1.0, door_control, ..default() };
-    let root = app.world_mut().spawn((indoor(), EnvironmentScenario::new(spec, 1))).id();
-    wait_until_ready(&mut app, root).unwrap();
-    let door = app.world().get::<ScenarioRun>(root).unwrap().doors().next().unwrap();
+    let (mut app, door) = with_triggered_doors();
     let at = app.world().get::<GlobalTransform>(door).unwrap().compute_transform();
     let near = Transform::from_translation(at.translation + Vec3::Y * 0.5);
     for radius in [f64::NAN, f64::INFINITY, -1.0] {
