@@ -169,25 +169,27 @@ impl Lattice<'_> {
     ) {
         let size = self.blocks[level];
         let count = ((to - from) / size + 1) as usize;
+        let place = |i: usize| from + i as i32 * size;
+        let block = |i: usize, sum: u32| {
+            let x = place(i);
+            CellBlock { bound: self.bound(sum, level, turn, (x, y)), turn, x, y }
+        };
+        let sums = match size {
+            1 if count >= TOGETHER => Self::sums::<1>,
+            4 if count >= TOGETHER => Self::sums::<4>,
+            16 if count >= TOGETHER => Self::sums::<16>,
+            _ => {
+                (0..count).for_each(|i| found(block(i, self.sum(level, turn, place(i), y))));
+                return;
+            }
+        };
         let mut done = 0;
         while done < count {
-            // Blocks together, of which the last ones may be known already, or one by one.
-            let first = if count < TOGETHER { done } else { done.min(count - TOGETHER) };
-            let x = from + first as i32 * size;
-            let sums = match size {
-                _ if count < TOGETHER => [self.sum(level, turn, x, y); TOGETHER],
-                1 => self.sums::<1>(level, turn, x, y),
-                4 => self.sums::<4>(level, turn, x, y),
-                16 => self.sums::<16>(level, turn, x, y),
-                _ => std::array::from_fn(|i| self.sum(level, turn, x + i as i32 * size, y)),
-            };
-            let end = if count < TOGETHER { done + 1 } else { first + TOGETHER };
-            for block in done..end {
-                let x = from + block as i32 * size;
-                let bound = self.bound(sums[block - first], level, turn, (x, y));
-                found(CellBlock { bound, turn, x, y });
-            }
-            done = end;
+            // The last ones are bounded together with some that are known already.
+            let first = done.min(count - TOGETHER);
+            let sums = sums(self, level, turn, place(first), y);
+            (done..first + TOGETHER).for_each(|i| found(block(i, sums[i - first])));
+            done = first + TOGETHER;
         }
     }
 
