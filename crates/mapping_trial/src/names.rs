@@ -1,4 +1,4 @@
-//! The names of profiles, estimators and policies in commands and reports.
+//! The names of profiles, estimators and policies in commands and reports, and how names of others are shown.
 
 use envgen::SpecError;
 
@@ -41,6 +41,26 @@ pub trait Named: Clone + PartialEq + Sized + 'static {
     fn name(&self) -> Option<&'static str> {
         Self::NAMES.iter().find(|(_, value)| value == self).map(|(name, _)| *name)
     }
+}
+
+/// Returns a text of others, such as a person's name, in which control characters are escaped: on a terminal, it
+/// changes no colours and begins no line.
+///
+/// ```
+/// use mapping_trial::names::printable;
+///
+/// assert_eq!(printable("Zoë \u{1b}[31m\n"), "Zoë \\u{1b}[31m\\n");
+/// ```
+pub fn printable(text: &str) -> String {
+    let mut shown = String::new();
+    for char in text.chars() {
+        if char.is_control() {
+            shown.extend(char.escape_debug());
+        } else {
+            shown.push(char);
+        }
+    }
+    shown
 }
 
 impl Named for LaserProfile {

@@ -5,6 +5,7 @@ use std::process::Command;
 use std::time::Duration;
 
 use envgen::hallway::HallwaySpec;
+use envgen::scenario::{Person, Reaction, Scenario, ScenarioSpec};
 use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::driver::{Driver, Hello, Limits, MAX_LINE};
 use mapping_trial::flat::FlatSimulator;
@@ -106,6 +107,15 @@ fn a_drivers_errors_are_reported() {
             ["a line that is not an answer", "`[]`", "observation 2"],
         ),
         (
+            drives("read line; echo null; cat > /dev/null"),
+            ["a line that is not an answer", "null, expected an object at", "observation 2"],
+        ),
+        (
+            // A reason is not cut to the length of an excerpt.
+            drives(r#"read line; echo "{\"failed\": \"$(seq -s ' ' 50)\"}"; cat > /dev/null"#),
+            ["it gave up: 1 2 3", "48 49 50 (", "observation 2"],
+        ),
+        (
             drives("exec >&-; cat > /dev/null"),
             ["it closed its output, but has not ended", "(observation 2", "at 0.10 s"],
         ),
@@ -115,6 +125,47 @@ fn a_drivers_errors_are_reported() {
             assert!(found.contains(part), "{script}: {found}");
         }
     }
+}
+
+#[test]
+fn a_field_of_a_reply_that_is_null_is_left_out() {
+    let reply = r#"{"speed": 0.4, "turn_rate": 0, "id": null, "want": null, "pose": null,
+        "map": null, "finished": null, "stuck": null, "failed": null}"#;
+    let reply = reply.replace('\n', "");
+    let (_, report, _) =
+        run(&format!("{HELLO} while read line; do echo '{reply}'; done"), PATIENCE);
+    assert_eq!((report.robots[0].end, report.failure), (Some(EndReason::TimeLimit), None));
+}
+
+#[test]
+fn an_answer_to_the_last_line_is_no_error() {
+    let reply = r#"echo '{"speed": 0.4, "turn_rate": 0}';"#;
+    let (_, report, driver) = run(&format!("{HELLO} while read line; do {reply} done"), PATIENCE);
+    driver.end(Some(&report));
+    assert_eq!((report.failure.clone(), driver.failure()), (None, None));
+}
+
+/// The hello has the poses where robots start beside people, and the first observations agree with it.
+#[test]
+fn a_hello_has_the_starts_of_a_trial_with_people() {
+    let world = world();
+    let settings = TrialSettings { robots: 3, time_limit: 1.0, ..TrialSettings::default() };
+    let alone = Trial::builder(&world, settings.clone()).setup().expect("starts").starts.to_vec();
+    let mut scenario =
+        Scenario::new(&world, &ScenarioSpec::default(), Seed(1)).expect("a scenario");
+    // Somebody where the second robot would start.
+    let position = alone[1].position;
+    scenario.people =
+        vec![Person { position, heading: 0.0, speed: 1.0, reaction: Reaction::Regular }];
+    let mut builder = Trial::builder(&world, settings).scenario(scenario);
+    let hello = serde_json::to_value(Hello::new(&builder.setup().expect("starts"))).expect("JSON");
+    let trial = builder.build_flat().expect("a trial");
+    let starts: Vec<[f64; 3]> = (0..3)
+        .map(|robot| trial.trajectory(robot).poses[0])
+        .map(|pose| [pose.position.x, pose.position.y, pose.heading])
+        .collect();
+    assert_eq!(hello["starts"], serde_json::json!(starts));
+    assert_ne!(starts[1][..2], [position.x, position.y]);
 }
 
 #[test]

@@ -33,7 +33,7 @@ const FARTHEST: f64 = 1000.0;
 
 /// A map in a message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 pub(super) struct Grid {
     /// The lower left corner of the first cell in metres.
     origin: [f64; 2],

@@ -7,6 +7,7 @@ use super::error::{DriverError, not_allowed};
 use super::grid::Grid;
 use crate::backend::{Command, Observation, TICK};
 use crate::lidar::Scan;
+use crate::names::printable;
 use crate::score::Scores;
 use crate::setting_limits::number;
 use crate::trial::{EndReason, Setup, TrialReport, TrialSettings};
@@ -176,7 +177,7 @@ impl<'a> Ended<'a> {
 
 /// A driver's answer to the hello.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object")]
 pub struct Greeting {
     protocol: String,
     /// The driver's name.
@@ -240,16 +241,16 @@ pub(super) struct Reply {
 }
 
 #[derive(Default, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "an object")]
 struct RawReply {
     id: Option<u64>,
     speed: Option<f64>,
     turn_rate: Option<f64>,
-    want: Vec<Want>,
+    want: Option<Vec<Want>>,
     pose: Option<[f64; 3]>,
     map: Option<Grid>,
-    finished: bool,
-    stuck: bool,
+    finished: Option<bool>,
+    stuck: Option<bool>,
     failed: Option<String>,
 }
 
@@ -265,7 +266,8 @@ impl Reply {
             return Err(not_allowed(field, "given", "absent unless the hello says `slam`: true"));
         }
         let pose = raw.pose.map(pose).transpose()?;
-        let wish = match (raw.failed, raw.finished, raw.stuck) {
+        let [finished, stuck] = [raw.finished, raw.stuck].map(Option::unwrap_or_default);
+        let wish = match (raw.failed, finished, stuck) {
             (Some(reason), _, _) => Wish::GiveUp(reason.chars().take(LONGEST_REASON).collect()),
             (None, true, true) => {
                 return Err(not_allowed("stuck", "true", "absent or false if `finished` is true"));
@@ -277,7 +279,8 @@ impl Reply {
                 turn_rate: rate("turn_rate", raw.turn_rate, "rad/s")?,
             }),
         };
-        Ok(Reply { wish, wants_map: !raw.want.is_empty(), pose, map: raw.map })
+        let wants_map = raw.want.is_some_and(|want| !want.is_empty());
+        Ok(Reply { wish, wants_map, pose, map: raw.map })
     }
 }
 
@@ -331,14 +334,7 @@ fn read<'a, T: Deserialize<'a>>(line: &'a [u8]) -> Result<T, DriverError> {
 
 /// Returns the beginning of a text that may be long and contain any characters.
 pub(super) fn excerpt(text: &str) -> String {
-    let mut short = String::new();
-    for char in text.chars().take(EXCERPT) {
-        if char.is_control() {
-            short.extend(char.escape_debug());
-        } else {
-            short.push(char);
-        }
-    }
+    let mut short = printable(&text.chars().take(EXCERPT).collect::<String>());
     if text.chars().nth(EXCERPT).is_some() {
         short.push_str("...");
     }
@@ -382,6 +378,10 @@ mod tests {
         assert_eq!(wish(r#"{"stuck": true, "speed": 1}"#), Ok(Wish::Stuck));
         assert_eq!(wish(r#"{"failed": "no plan"}"#), Ok(Wish::GiveUp("no plan".to_owned())));
         assert!(parse(r#"{"finished": true, "want": ["map"]}"#).unwrap().wants_map);
+        // A field that is null is left out.
+        let null = r#"{"speed": 0.5, "turn_rate": -1, "id": null, "want": null, "pose": null,
+                       "map": null, "finished": null, "stuck": null, "failed": null}"#;
+        assert_eq!(wish(null), Ok(Wish::Drive(command)));
         let own = Reply::parse(br#"{"finished": true, "pose": [1, 2, 3]}"#, 0, true).unwrap();
         assert_eq!(own.pose, Some(Pose::new(1.0, 2.0, 3.0)));
     }
@@ -389,6 +389,10 @@ mod tests {
     #[test]
     fn what_is_wrong_with_a_reply_is_named() {
         for (text, part) in [
+            (
+                r#"{"speed": null, "turn_rate": 1}"#,
+                "`speed` must be from -1000 to 1000 m/s, got missing",
+            ),
             (r#"{"speed": 1}"#, "`turn_rate` must be from -1000 to 1000 rad/s, got missing"),
             (
                 r#"{"speed": 1e4, "turn_rate": 0}"#,
@@ -410,6 +414,8 @@ mod tests {
             ("\u{1b}[31m", "in `\\u{1b}[31m`"),
             ("[0.1, 0.2]", "a line that is not an answer: not an object, in `[0.1, 0.2]`"),
             ("[]", "not an object"),
+            ("null", "invalid type: null, expected an object"),
+            ("7", "invalid type: integer `7`, expected an object"),
         ] {
             assert!(error(text).contains(part), "{text}: {}", error(text));
         }

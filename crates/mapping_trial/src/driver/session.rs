@@ -15,6 +15,7 @@ use super::protocol::{
 };
 use crate::backend::{Command, Observation};
 use crate::map::OccupancyMap;
+use crate::names::printable;
 use crate::policy::Decision;
 use crate::trial::TrialReport;
 
@@ -206,7 +207,7 @@ impl Session {
             Wish::Drive(command) => Decision::Drive(command),
             Wish::Finished => Decision::Finished,
             Wish::Stuck => Decision::Stuck,
-            Wish::GiveUp(reason) => return Err(DriverError::GaveUp(excerpt(&reason))),
+            Wish::GiveUp(reason) => return Err(DriverError::GaveUp(printable(&reason))),
         };
         Ok(Said { pose, map })
     }
