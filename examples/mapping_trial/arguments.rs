@@ -19,7 +19,7 @@ use mapping_trial::trial::TrialSettings;
 
 use crate::bag::Bag;
 use crate::trial_arguments::{TrialArguments, help, name, named};
-use crate::{moving, output, robot, spec_file, start};
+use crate::{moving, output, robot, spec_file, start, start_argument};
 
 /// Greatest value of `--size`: 192 grid units are 576 m, and a wall.
 const MAX_SIZE: i64 = 192;
@@ -96,7 +96,7 @@ pub(crate) struct Arguments {
 
     /// Where the first robot starts, in metres and degrees; a heading that is left out is 0 [default: the start of
     /// the world].
-    #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true,
+    #[arg(long, value_name = "X,Y,HEADING", value_parser = start_argument::start, allow_hyphen_values = true,
           conflicts_with = "replay")]
     start: Option<Pose>,
 
@@ -270,14 +270,4 @@ fn pixels(text: &str) -> Result<[u32; 2], String> {
         Some([width.trim().parse().ok()?, height.trim().parse().ok()?])
     });
     sides.ok_or_else(|| "not of the form WIDTHxHEIGHT with numbers of pixels".to_owned())
-}
-
-/// Parses a pose such as `1.5,-2,90`.
-fn pose(text: &str) -> Result<Pose, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    match numbers.as_deref() {
-        Ok(&[x, y, degrees]) => Ok(Pose::new(x, y, degrees.to_radians())),
-        Ok(&[x, y]) => Ok(Pose::new(x, y, 0.0)),
-        _ => Err("not of the form x,y,heading with numbers in metres and degrees".to_owned()),
-    }
 }

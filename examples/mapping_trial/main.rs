@@ -32,6 +32,8 @@ mod spec_file;
 mod spinner;
 #[path = "../shared/start.rs"]
 mod start;
+#[path = "../../crates/mapping_trial/src/bin/envgen-trials/start_argument.rs"]
+mod start_argument;
 mod table;
 #[path = "../shared/trial_arguments.rs"]
 mod trial_arguments;

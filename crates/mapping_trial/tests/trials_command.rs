@@ -217,6 +217,11 @@ fn a_trials_own_map_scores_as_its_report_says() {
     assert!(strict(&lost) + 0.1 < strict(&found), "{} and {}", strict(&lost), strict(&found));
     assert!(strict(&found) > strict(&turned) - 0.05);
 
+    // The heading of a start is 0 if it is left out.
+    let place = format!("{x},{y}");
+    let headed = score(&["--map", "from_start.yaml", "--start", &format!("{place},0")]);
+    assert_eq!(score(&["--map", "from_start.yaml", "--start", &place]), headed);
+
     // A map that is free everywhere has full coverage, about which there is a warning.
     let image = [b"P5\n800 800\n255\n".to_vec(), vec![254; 800 * 800]].concat();
     std::fs::write(folder.path().join("free.pgm"), image).expect("a file");
@@ -259,7 +264,8 @@ fn what_cannot_be_scored_is_named() {
     std::fs::write(at.join("late.tum"), "9999 0 0 0 0 0 0 1\n").expect("a file");
     assert!(failed(&[&poses[..], &["late.tum"]].concat()).contains("no time in common"));
     assert!(failed(&["--map", "map.yaml", "--trajectory", "truth.tum"]).contains("--truth"));
-    assert!(failed(&["--map", "map.yaml", "--start", "1,2"]).contains("x,y,heading"));
+    assert!(failed(&["--map", "map.yaml", "--start", "1,2,3,4"]).contains("x,y,heading"));
+    assert!(failed(&["--map", "map.yaml", "--start", "1,nan"]).contains("x,y,heading"));
     let outside = failed(&["--map", "map.yaml", "--start", "-500,0,0"]);
     assert!(outside.starts_with("error: world.json: `start` must be"), "{outside}");
     assert!(outside.contains("got (-500, 0) m"), "{outside}");

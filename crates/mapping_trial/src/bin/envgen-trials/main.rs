@@ -15,6 +15,7 @@ mod progress;
 mod read;
 mod score;
 mod spinner;
+mod start_argument;
 mod stdout;
 mod survey;
 mod usage;

@@ -21,6 +21,7 @@ use serde::Serialize;
 
 use crate::read;
 use crate::spinner::spinner;
+use crate::start_argument::start;
 use crate::stdout;
 use crate::usage::Usage;
 use crate::warning::warn;
@@ -48,8 +49,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = Frame::Start)]
     frame: Frame,
 
-    /// Where the robot started, in metres and degrees [default: the start of the world].
-    #[arg(long, value_name = "X,Y,HEADING", value_parser = pose, allow_hyphen_values = true)]
+    /// Where the robot started, in metres and degrees; a heading that is left out is 0 [default: the start of the
+    /// world].
+    #[arg(long, value_name = "X,Y,HEADING", value_parser = start, allow_hyphen_values = true)]
     start: Option<Pose>,
 
     /// Moves the map to where its walls match those of the world best, by at most about a metre.
@@ -239,17 +241,6 @@ fn score(
         aligned: scores(best)?,
         alignment: best,
     })
-}
-
-/// Parses a pose such as `1.5,-2,90`.
-fn pose(text: &str) -> Result<Pose, String> {
-    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    match numbers.as_deref() {
-        Ok(&[x, y, degrees]) if [x, y, degrees].iter().all(|v: &f64| v.is_finite()) => {
-            Ok(Pose::new(x, y, degrees.to_radians()))
-        }
-        _ => Err("not of the form x,y,heading with numbers in metres and degrees".to_owned()),
-    }
 }
 
 fn text(report: &Report) -> String {
