@@ -545,6 +545,22 @@ fn ratings_of_three_sessions_are_linked() {
     assert!((linked - panel).abs() < 1e-9, "{linked} {panel}");
     assert_eq!(json["sessions"][0]["panel"]["source"], "predicted");
 
+    // A session that is given twice counts once.
+    let twice = ["001/report.json", "002/report.json", "002/../001/report.json"];
+    let twice = run(at, &[&["link"], &twice[..]].concat());
+    let twice = String::from_utf8(twice.stdout).expect("text");
+    assert!(twice.contains("not linked: 2 sessions are rated"), "{twice}");
+    assert!(twice.contains("left out: 002/../001/report.json: it is given twice"), "{twice}");
+
+    // Names are shown, but control no terminal.
+    let report = std::fs::read_to_string(at.join("001/report.json")).expect("a report");
+    let coloured = report.replace(r#""name":"nearest""#, r#""name":"\u001b[31mA\nda""#);
+    assert_ne!(coloured, report);
+    std::fs::write(at.join("001/report.json"), coloured).expect("a report");
+    let coloured = run(at, &["link", "001/report.json"]);
+    let coloured = String::from_utf8(coloured.stdout).expect("text");
+    assert!(coloured.contains(r"by \u{1b}[31mA\nda (001/report.json)"), "{coloured}");
+
     std::fs::copy(at.join("002/log.json"), at.join("001/log.json")).expect("a log");
     let other = error(at, &["link", "001/report.json"]);
     assert_eq!(other, "error: 001/log.json: this is not the world of 001/report.json\n");

@@ -1,5 +1,6 @@
 //! The subcommand `envgen-trials link`.
 
+use std::collections::BTreeSet;
 use std::error::Error;
 use std::fmt::Write;
 use std::fs::File;
@@ -12,6 +13,7 @@ use mapping_trial::experiment::stats::Interval;
 use mapping_trial::feedback::{
     DifficultySource, LinkError, PanelDifficulty, RatedWorld, Rating, RatingLink,
 };
+use mapping_trial::names::printable;
 use mapping_trial::trial::{TrialLog, TrialReport};
 use serde::Serialize;
 
@@ -68,8 +70,11 @@ struct DialLink {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (mut sessions, mut left_out) = (Vec::new(), Vec::new());
+    let mut given = BTreeSet::new();
     for path in &arguments.reports {
+        let is_new = given.insert(path.canonicalize().in_file(path)?);
         match session(path)? {
+            Ok(_) if !is_new => left_out.push(format!("{}: it is given twice", path.display())),
             Ok(session) => sessions.push(session),
             Err(reason) => left_out.push(format!("{}: {reason}", path.display())),
         }
@@ -165,9 +170,9 @@ fn text(links: &Links) -> String {
         writeln!(
             text,
             "\n{} by {} ({})",
-            session.world,
-            session.operator,
-            session.report.display()
+            printable(&session.world),
+            printable(&session.operator),
+            printable(&session.report.to_string_lossy())
         )
         .ok();
         let panel = session.panel.dials.named();
@@ -198,7 +203,7 @@ fn text(links: &Links) -> String {
         writeln!(text, "{name:>12}: {line}").ok();
     }
     for reason in left_out {
-        writeln!(text, "left out: {reason}").ok();
+        writeln!(text, "left out: {}", printable(reason)).ok();
     }
     text
 }
