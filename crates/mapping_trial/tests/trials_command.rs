@@ -311,6 +311,13 @@ fn mistakes_are_named_with_their_place() {
         .expect("a file");
     let panel = error(at, &["anchors", "--panel", "panel.ron"]);
     assert!(panel.starts_with("error: panel.ron: ") && panel.contains("nam"), "{panel}");
+    std::fs::write(at.join("panel.ron"), "(name: \"mine\", version: 1, conditions: [])")
+        .expect("a file");
+    let empty = error(at, &["anchors", "--panel", "panel.ron"]);
+    assert!(
+        empty.contains("`conditions` must be one or more") && empty.contains(", got none"),
+        "{empty}"
+    );
 }
 
 #[test]

@@ -342,6 +342,7 @@ fn names<'a>(
     let distinct: BTreeSet<&String> = names.iter().copied().collect();
     if names.is_empty() || distinct.len() < names.len() {
         let text = names.iter().map(|name| name.as_str()).collect::<Vec<_>>().join(", ");
+        let text = if names.is_empty() { "none".to_owned() } else { text };
         return Err(SpecError::new(field, text, "one or more, each of another name"));
     }
     Ok(())
