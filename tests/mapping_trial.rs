@@ -127,6 +127,18 @@ fn a_reader_that_goes_away_loses_no_files() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut command = EXAMPLE.command(&["--size", "4", "--time-limit", "5"], folder.path());
+    let full = fs::File::create("/dev/full").expect("a full disk");
+    let trial = command.stdout(full).output().expect("the example starts");
+    let error = String::from_utf8_lossy(&trial.stderr);
+    assert!(error.starts_with("error: stdout: ") && !trial.status.success(), "{error}");
+    assert_eq!(files(folder.path()).len(), 7);
+}
+
+#[test]
 fn every_kind_of_world_and_the_robots_own_map_can_be_mapped() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out");

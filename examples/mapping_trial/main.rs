@@ -49,7 +49,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use envgen::World;
-use envgen::located::Locate;
+use envgen::located::{Locate, Located};
 use envgen::scenario::Scenario;
 use indicatif::ProgressBar;
 use mapping_trial::backend::{RobotBackend, TICK};
@@ -215,10 +215,10 @@ fn tell<B: RobotBackend>(
     writing.finish_and_clear();
     // The form comes before the scores, which would influence the ratings. The pictures may be looked
     // at.
-    let asked = arguments.form.then(|| {
+    let asked = arguments.form.then(|| -> Result<_, Box<dyn Error>> {
         say(arguments, format_args!("the pictures are in {}\n", arguments.out.display()))?;
         let (mut questions, mut answers) = (std::io::stdout(), std::io::stdin().lock());
-        ask(&report.session(), &mut answers, &mut questions)
+        Ok(ask(&report.session(), &mut answers, &mut questions)?)
     });
     if let Some(Ok(feedback)) = &asked {
         report.feedback = Some(feedback.clone());
@@ -247,15 +247,20 @@ fn tell<B: RobotBackend>(
 
 /// Prints to stdout, or to stderr if stdout belongs to a driver. It is no error if the reader closes
 /// early, as `head` does: the files are still written.
-fn say(arguments: &Arguments, text: std::fmt::Arguments<'_>) -> std::io::Result<()> {
-    let said = if arguments.is_driven_by_caller() {
-        std::io::stderr().write_fmt(text)
+fn say(
+    arguments: &Arguments,
+    text: std::fmt::Arguments<'_>,
+) -> Result<(), Located<std::io::Error>> {
+    let (said, place) = if arguments.is_driven_by_caller() {
+        (std::io::stderr().write_fmt(text), "stderr")
     } else {
-        std::io::stdout().write_fmt(text)
+        (std::io::stdout().write_fmt(text), "stdout")
     };
     match said {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        said => said,
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Located { place: place.to_owned(), error })
+        }
+        _ => Ok(()),
     }
 }
 
