@@ -1,5 +1,7 @@
 //! The design of the proof: its worlds and trials.
 
+use std::collections::BTreeSet;
+
 use envgen::indoor::IndoorSpec;
 use envgen::{Seed, SpecError, WorldSpec, settings};
 
@@ -99,9 +101,11 @@ impl ProofDesign {
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check_fields()?;
         let is_size = |size: &u32| (6..=24).contains(size);
-        if self.footprints.is_empty() || !self.footprints.iter().all(is_size) {
+        let distinct: BTreeSet<&u32> = self.footprints.iter().collect();
+        let is_once = distinct.len() == self.footprints.len();
+        if self.footprints.is_empty() || !self.footprints.iter().all(is_size) || !is_once {
             let all: Vec<String> = self.footprints.iter().map(u32::to_string).collect();
-            let allowed = "one or more whole numbers from 6 to 24";
+            let allowed = "one or more whole numbers from 6 to 24, each once";
             return Err(SpecError::new("footprints", all.join(","), allowed));
         }
         if self.dial != Dial::Difficulty && self.thesis > 0 {
@@ -209,6 +213,8 @@ mod tests {
         let error = |design: ProofDesign| design.validate().expect_err("bad").to_string();
         let sizes = error(ProofDesign { footprints: vec![4], ..Default::default() });
         assert!(sizes.starts_with("`footprints` must be one or more whole numbers"), "{sizes}");
+        let twice = error(ProofDesign { footprints: vec![8, 10, 8], ..Default::default() });
+        assert!(twice.ends_with("from 6 to 24, each once, got 8,10,8"), "{twice}");
         let thesis = error(ProofDesign { dial: Dial::Mapping, ..Default::default() });
         assert_eq!(thesis, "`thesis` must be 0 where the `dial` is not difficulty, got 40");
         let name = "all at twice".to_owned();
