@@ -19,8 +19,8 @@ use crate::world::World;
 /// The greatest number of cells of a map that is read or written.
 pub const MAX_CELLS: u64 = 1 << 26;
 
-/// The allowed cell sides of maps that are read, in metres.
-pub const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
+/// The allowed cell sides of maps that are read, in metres. With the greatest, a map holds the largest world.
+pub const RESOLUTIONS: std::ops::RangeInclusive<f64> = 1e-3..=1e5;
 
 /// An upper bound, in cells, of the rounding error of the position of an outline.
 const ROUNDING: f64 = 1e-6;
@@ -346,7 +346,7 @@ mod tests {
     use crate::hallway::{Corners, HallwaySpec};
     use crate::provenance::Provenance;
     use crate::seed::Seed;
-    use crate::world::{Wall, WallKind};
+    use crate::world::{MAX_COORDINATE, Wall, WallKind};
 
     fn world() -> World {
         let bounds = Rect::new(DVec2::new(-1.0, 2.0), DVec2::new(1.0, 3.0));
@@ -430,6 +430,15 @@ mod tests {
         assert_eq!(size_in_cells(&world, 0.4), Ok([2503, 2495]));
         assert!(RosMap::of_world(&world, f64::NAN).is_err());
         assert!(RosMap::of_world(&world, -1.0).is_err());
+    }
+
+    #[test]
+    fn the_largest_worlds_have_a_map() {
+        let bounds = Rect::new(DVec2::splat(-MAX_COORDINATE), DVec2::splat(MAX_COORDINATE));
+        let world = World::new(Provenance::other("manual", serde_json::Value::Null), bounds);
+        let usual = usual_resolution(&world);
+        let [cols, rows] = size_in_cells(&world, usual).unwrap();
+        assert!(cols * rows <= USUAL_CELLS && RESOLUTIONS.contains(&usual), "{usual} m");
     }
 
     fn free_area(world: &World, resolution: f64) -> f64 {

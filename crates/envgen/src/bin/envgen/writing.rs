@@ -23,7 +23,7 @@ pub(crate) struct Writing {
     #[arg(long, required = true, value_name = "FILE")]
     out: Vec<PathBuf>,
 
-    /// Cell size of ROS maps (.yaml) and of outlines (.house.json) in metres, from 0.001 to 1000. A grid has at most
+    /// Cell size of ROS maps (.yaml) and of outlines (.house.json) in metres, from 0.001 to 100000. A grid has at most
     /// 67,108,864 cells [default: 0.05, or more where a map would have more than 16,777,216 cells].
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     resolution: Option<f64>,
