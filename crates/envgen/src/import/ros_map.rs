@@ -123,7 +123,7 @@ fn mode<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<RosMode, D:
 /// Reads a flag, which is 0 or 1 in files of ROS; `true` and `false` are read, too.
 fn flag<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<bool, D::Error> {
     #[derive(Deserialize)]
-    #[serde(untagged)]
+    #[serde(untagged, expecting = "`negate` must be 0, 1, false or true")]
     enum Flag {
         Word(bool),
         Number(i64),
