@@ -13,6 +13,10 @@ const FORMAT: &str = "a Gazebo world of cylinders";
 /// The greatest number of cylinders that are read.
 const MAX_CYLINDERS: usize = 1 << 18;
 
+/// The greatest roll and pitch of an upright cylinder in radians. Gazebo saves models slightly tilted after it
+/// simulated their contacts.
+const MAX_TILT: f64 = 1e-3;
+
 /// The deepest nesting of elements that is read.
 const MAX_DEPTH: usize = 32;
 
@@ -157,8 +161,11 @@ fn finish(model: Model, cylinders: &mut Vec<Cylinder>) -> Result<(), PlanError> 
         let Some(&[x, y, _, roll, pitch, yaw]) = numbers.as_deref() else {
             return Err(PlanError::value("pose", short(text), "six finite numbers"));
         };
-        if x.abs().max(y.abs()) > MAX_COORDINATE || roll != 0.0 || pitch != 0.0 {
-            let allowed = format!("up to {MAX_COORDINATE:e} m from the axes, and upright");
+        let tilt = roll.abs().max(pitch.abs());
+        if x.abs().max(y.abs()) > MAX_COORDINATE || tilt > MAX_TILT {
+            let allowed = format!(
+                "up to {MAX_COORDINATE:e} m from the axes, and upright: roll and pitch are up to {MAX_TILT} rad"
+            );
             return Err(PlanError::value("pose", short(text), allowed));
         }
         pose = pose.compose(Pose::new(x, y, yaw));

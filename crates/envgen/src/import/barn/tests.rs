@@ -361,6 +361,10 @@ fn poses_of_links_and_collisions_add_up() {
         DVec2::new(1.0, 2.0) + crate::geometry::unit_vector(0.5).rotate(DVec2::new(3.0, 4.0));
     assert!(center(&turned).unwrap().distance(expected) < 1e-12);
     assert!(center(&world("<pose>3 0 0 0.1 0 0</pose>", "")).is_err());
+    // As Gazebo saves worlds after it moved the models.
+    let settled = world("<pose>3 4 0 1e-10 -2e-6 0</pose>", "");
+    assert_eq!(center(&settled).unwrap(), center(&turned).unwrap());
+    assert!(center(&world("<pose>3 0 0 0 -0.0011 0</pose>", "")).is_err());
     // Other links and collisions do not count; a pose may come after what it places.
     let others = "<sdf version='1.6'><world name='default'><model name='a'><pose>1 2 0 0 0 0</pose>\
                   <link name='v'><pose>7 7 0 0 0 0</pose></link><link name='l'><collision name='c'><geometry><cylinder>\
