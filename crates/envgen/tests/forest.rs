@@ -380,6 +380,27 @@ fn bad_specs_name_field_value_and_limits_at_once() {
 }
 
 #[test]
+fn the_first_error_about_the_intensity_names_what_is_allowed() {
+    for (radius, min_distance, reason) in [
+        (1.0, 0.0, "with trunks of 1 m and a robot of 0.36 m, either would overlap too often"),
+        (1e-4, 0.5, "5000000 trees on 1000000 m^2"),
+    ] {
+        let spec = ForestSpec {
+            width: 1e3,
+            height: 1e3,
+            intensity: 1e3,
+            radius,
+            min_distance,
+            ..Default::default()
+        };
+        let error = spec.validate().unwrap_err();
+        assert!(error.allowed.ends_with(reason), "{error}");
+        let intensity = error.allowed.split(' ').nth(2).unwrap().parse().unwrap();
+        assert_eq!(ForestSpec { intensity, ..spec }.validate(), Ok(()));
+    }
+}
+
+#[test]
 fn long_thin_and_crowded_forests_come_to_an_end() {
     // Each of these once took minutes.
     let thin = ForestSpec {

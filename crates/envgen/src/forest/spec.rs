@@ -138,8 +138,7 @@ impl ForestSpec {
         }
         self.check_radii()?;
         self.check_border()?;
-        self.check_count()?;
-        self.check_filling()
+        self.check_intensity()
     }
 
     /// Returns the rectangle of the forest.
@@ -218,35 +217,31 @@ impl ForestSpec {
         self.intensity * peak * area
     }
 
-    fn check_count(&self) -> Result<(), SpecError> {
-        let most = if self.min_distance > 0.0 { MAX_HARD_CORE_TREES } else { MAX_TREES };
-        if self.expected_trees() <= most {
-            return Ok(());
-        }
+    /// Checks the number of trees and how often they overlap. The error names the lower limit of the two.
+    fn check_intensity(&self) -> Result<(), SpecError> {
+        let most_trees = if self.min_distance > 0.0 { MAX_HARD_CORE_TREES } else { MAX_TREES };
         let (area, peak) = self.area_and_peak();
-        let mut limit = most / (area * peak);
+        let mut by_count = most_trees / (area * peak);
         // By rounding, the limit may itself be too great.
-        while limit * peak * area > most {
-            limit = limit.next_down();
+        while by_count * peak * area > most_trees {
+            by_count = by_count.next_down();
         }
-        let allowed = format!("at most {limit} 1/m^2: {most} trees on {area} m^2");
-        Err(SpecError::new("intensity", self.intensity, allowed))
-    }
-
-    fn check_filling(&self) -> Result<(), SpecError> {
         let grown = self.largest_radius() + self.robot_radius;
-        let (area, peak) = self.area_and_peak();
         let (disc, trees) = (PI * grown * grown * peak, area * peak);
-        let most = (MAX_REDUCED_DENSITY / disc).min((MAX_OVERLAPS / (trees * disc)).sqrt());
-        if self.intensity <= most {
+        let by_overlaps = (MAX_REDUCED_DENSITY / disc).min((MAX_OVERLAPS / (trees * disc)).sqrt());
+        if self.intensity <= by_overlaps && self.expected_trees() <= most_trees {
             return Ok(());
         }
-        let allowed = format!(
-            "at most {most} 1/m^2: with trunks of {} m and a robot of {} m, either would overlap too \
-             often",
-            self.largest_radius(),
-            self.robot_radius
-        );
+        let allowed = if by_count <= by_overlaps {
+            format!("at most {by_count} 1/m^2: {most_trees} trees on {area} m^2")
+        } else {
+            format!(
+                "at most {by_overlaps} 1/m^2: with trunks of {} m and a robot of {} m, either would \
+                 overlap too often",
+                self.largest_radius(),
+                self.robot_radius
+            )
+        };
         Err(SpecError::new("intensity", self.intensity, allowed))
     }
 }
