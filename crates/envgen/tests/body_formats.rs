@@ -6,7 +6,10 @@ mod samples;
 use std::collections::BTreeMap;
 
 use envgen::export::{Format, Job};
+use envgen::geometry::Shape;
+use envgen::glam::DVec2;
 use envgen::pieces::{Form, pieces};
+use envgen::world::{Wall, WallKind};
 use quick_xml::Reader;
 use quick_xml::events::Event;
 use samples::{with_polygon, worlds, write};
@@ -140,6 +143,20 @@ fn worlds_without_start_and_with_wrong_outlines() {
         let error = format.write(&Job::new(&world), &mut Vec::new()).unwrap_err().to_string();
         assert!(error.starts_with("obstacle_0 has no mesh"), "{error}");
     }
+}
+
+#[test]
+fn lines_have_a_length_however_short_they_are() {
+    let mut world = with_polygon(&[(1., 1.), (5., 1.), (5., 2.)]);
+    let shape = Shape::Segment { a: DVec2::ZERO, b: DVec2::new(1e-170, 0.0) };
+    world.walls.push(Wall::new(WallKind::Wall, shape));
+    assert_eq!(world.check(), Ok(()));
+    let mjcf = elements(&write(&world, "mjcf.xml"));
+    let wall = mjcf
+        .iter()
+        .find(|(_, attributes, _)| attributes.get("name").is_some_and(|n| n == "wall_0"));
+    let length: f64 = wall.unwrap().1["size"].split(' ').next().unwrap().parse().unwrap();
+    assert!(length > 0.0, "{length}");
 }
 
 #[test]

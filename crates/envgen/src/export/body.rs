@@ -38,9 +38,11 @@ impl<'a> Body<'a> {
             },
             Shape::Segment { a, b } => {
                 let along = *b - *a;
+                // Squares of lengths under 1e-160 m vanish, and simulators refuse a box without length.
+                let length = along.length().max(f64::MIN_POSITIVE);
                 Body::Box {
                     center: (0.5 * (*a + *b)).extend(middle),
-                    size: DVec3::new(along.length(), LINE_THICKNESS, extent.height()),
+                    size: DVec3::new(length, LINE_THICKNESS, extent.height()),
                     heading: libm::atan2(along.y, along.x),
                 }
             }
