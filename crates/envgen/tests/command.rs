@@ -109,6 +109,10 @@ fn sampled_lines_have_the_difficulty_that_is_shown_of_the_file() {
         (vec!["--platform", "wheels=4"], "`platform` must be one of circumscribed_radius, "),
         (vec!["--platform", "beams"], "is not of the form name=value"),
         (vec!["--platform", "laser_offset=1"], "`platform.laser_offset` must be"),
+        (
+            vec!["--platform", "beams=8", "--platform", " beams=9"],
+            "--platform  beams=9: `beams` is set twice",
+        ),
     ] {
         let (code, text) = failure(&[&inspect[..], &wrong].concat());
         assert!(code == 2 && text.contains(expected), "{text}");

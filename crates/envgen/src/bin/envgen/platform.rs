@@ -21,13 +21,18 @@ impl PlatformOptions {
 
     /// The default platform with its changes, checked.
     pub(crate) fn read(&self) -> Result<Platform, Failure> {
-        let mut platform = Platform::default();
+        let (mut platform, mut names) = (Platform::default(), Vec::new());
         for option in &self.numbers {
-            let (name, value) = option.split_once('=').ok_or_else(|| {
-                let text = "is not of the form name=value".to_owned();
-                Failure::Usage(text).about(format!("--platform {option}"))
-            })?;
-            platform.set(name.trim(), value).in_option("--platform", option)?;
+            let usage =
+                |text: &str| Failure::Usage(text.to_owned()).about(format!("--platform {option}"));
+            let (name, value) =
+                option.split_once('=').ok_or_else(|| usage("is not of the form name=value"))?;
+            let name = name.trim();
+            if names.contains(&name) {
+                return Err(usage(&format!("`{name}` is set twice")));
+            }
+            names.push(name);
+            platform.set(name, value).in_option("--platform", option)?;
         }
         platform.validate()?;
         Ok(platform)
