@@ -236,8 +236,10 @@ impl Setting {
             }
             Allowed::Number { .. } => {
                 let value: f64 = text.parse().map_err(|_| self.error(text))?;
-                self.check(value)?;
-                Ok(value.into())
+                // As it is written: 1e400 is read as infinity.
+                self.check(value).map_err(|_| self.error(text))?;
+                // The sum turns -0 into 0.
+                Ok((value + 0.0).into())
             }
             Allowed::Choice(names) if names.contains(&text) => Ok(text.into()),
             Allowed::Choice(_) => Err(self.error(text)),

@@ -14,6 +14,10 @@ fn errors_name_field_value_and_limits() {
     }
     assert!(WIDTH.check(f64::NAN).is_err());
     assert_eq!(WIDTH.parse(" 2 ").unwrap(), Value::from(2.0));
+    // As it was written, and not as infinity.
+    assert!(WIDTH.parse("1e400").unwrap_err().to_string().ends_with("got 1e400"));
+    let clearing = Setting::number("clearing", "m", 0.0, 10.0, "Clear radius");
+    assert_eq!(clearing.parse("-0").unwrap().to_string(), "0.0");
 }
 
 #[test]
