@@ -2,8 +2,9 @@
 //! for Learning-based Algorithms on Mobile Robots, arXiv:1903.09845.
 //!
 //! The format contains a single outline of free ground. It is the outline of the free cells of a grid that are
-//! connected with the start; solids inside that do not touch it are lost. Start and goal are in separate fields,
-//! which other readers ignore.
+//! connected with the start; solids inside that do not touch it are lost. At lines without thickness, such as the walls
+//! of a house that was read, the outline follows the sides of cells that are nearest to the line. Start and goal are in
+//! separate fields, which other readers ignore.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -14,10 +15,11 @@ use serde::Serialize;
 use super::error::ExportError;
 use super::ros_map::{nearest, size_in_cells, usual_resolution};
 use crate::flood::flood;
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Shape};
 use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::placement::max_clearance_point;
 use crate::provenance::Provenance;
+use crate::raycast::Raycaster;
 use crate::world::World;
 
 /// A house, with the fields of the data set and some additional ones.
@@ -62,6 +64,7 @@ pub(super) fn write(
     let first = from_start.or_else(most_clear).ok_or(ExportError::Empty { part: "free ground" })?;
     let mut region = vec![false; open.len()];
     flood(frame.cols, &mut open, first, |run| region[run].fill(true));
+    add_cells_beside_lines(world, &grid, &mut region);
     let corners = outline(frame.cols, &region);
     let verts: Vec<DVec2> = corners.iter().map(|&[col, row]| frame.corner(col, row)).collect();
     let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -89,6 +92,46 @@ pub(super) fn write(
     serde_json::to_writer(&mut out, &house).map_err(std::io::Error::from)?;
     out.write_all(b"\n")?;
     Ok(out.flush()?)
+}
+
+/// Adds the cells at the border of a region that only lines without thickness occupy, and whose middle is on the
+/// region's side of these lines. Without them, an outline that is read and written again would lose a cell on each side.
+fn add_cells_beside_lines(world: &World, grid: &OccupancyGrid, region: &mut [bool]) {
+    let frame = grid.frame();
+    let is_line = |shape: &Shape| matches!(shape, Shape::Segment { .. });
+    if !world.solids().any(|solid| is_line(&solid.shape)) {
+        return;
+    }
+    let Ok(mut thick) = OccupancyGrid::empty(world.bounds, frame.cell_size) else { return };
+    for solid in world.solids().filter(|solid| !is_line(&solid.shape)) {
+        thick.occupy(&solid.shape, Coverage::Conservative);
+    }
+    let mut at_border: Vec<bool> =
+        grid.cells().iter().zip(thick.cells()).map(|(any, thick)| *any && !thick).collect();
+    for (cell, open) in at_border.iter_mut().enumerate().filter(|(_, open)| **open) {
+        let mut around = (-1..=1).flat_map(|right| (-1..=1).map(move |up| (right, up)));
+        *open = around
+            .any(|(right, up)| frame.neighbour(cell, right, up).is_some_and(|other| region[other]));
+    }
+    let rays = Raycaster::new(world);
+    // A line through the middle of a cell keeps it out, also where rounding moves the line.
+    let reach = frame.cell_size * (1.0 + 1e-9);
+    let is_beside = |&cell: &usize| region[cell] && frame.neighbours(cell).any(|i| at_border[i]);
+    let mut reached: Vec<usize> = (0..region.len()).filter(is_beside).collect();
+    while let Some(cell) = reached.pop() {
+        for beside in frame.neighbours(cell) {
+            if !at_border[beside] {
+                continue;
+            }
+            let [from, to] = [cell, beside].map(|cell| frame.cell(cell));
+            let along = DVec2::new(to.0 as f64 - from.0 as f64, to.1 as f64 - from.1 as f64);
+            if rays.cast_along(frame.center_of(cell), along, reach).is_none() {
+                at_border[beside] = false;
+                region[beside] = true;
+                reached.push(beside);
+            }
+        }
+    }
 }
 
 /// Returns the corners, as columns and rows, of the outer border of a region of cells that are joined by their

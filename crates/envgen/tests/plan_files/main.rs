@@ -412,6 +412,27 @@ fn free_ground_comes_back_from_houses() {
 }
 
 #[test]
+fn outlines_of_houses_keep_their_size() {
+    // Along the cells, between them, and oblique.
+    let house = r#"{"verts": [[0, 0], [6, 0], [6, 4.02], [3, 4.02], [1, 2], [0, 2]]}"#;
+    let first = read_houseexpo(&mut house.as_bytes()).unwrap();
+    let mut text = written(&first, "a.house.json");
+    let verts_of = |text: &str| -> Vec<DVec2> {
+        let house: Value = serde_json::from_str(text).unwrap();
+        serde_json::from_value(house["verts"].clone()).unwrap()
+    };
+    let half_diagonal = 0.5_f64.sqrt() * 0.05 + 1e-9;
+    assert!(verts_of(&text).iter().all(|p| first.clearance(*p) <= half_diagonal), "{text}");
+    for _ in 0..5 {
+        let again = written(&read_houseexpo(&mut text.as_bytes()).unwrap(), "a.house.json");
+        let (before, after) = (verts_of(&text), verts_of(&again));
+        assert_eq!(before.len(), after.len());
+        assert!(before.iter().zip(&after).all(|(a, b)| a.distance(*b) < 1e-9), "{again}");
+        text = again;
+    }
+}
+
+#[test]
 fn houses_whose_goal_is_outside_of_the_outline_come_back() {
     // The ground of the start ends at x = 2 m.
     let mut world = small();
