@@ -60,8 +60,10 @@ pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
         let before = values.len();
         for letter in line.chars() {
             let class = (1..).zip(TERRAIN).find(|(_, terrain)| terrain.0.contains(letter));
-            let class =
-                class.ok_or_else(|| wrong(number, format!("`{letter}` is not a terrain")))?;
+            let class = class.ok_or_else(|| {
+                let terrains: String = TERRAIN.iter().map(|terrain| terrain.0).collect();
+                wrong(number, format!("a terrain must be one of {terrains}, got `{letter}`"))
+            })?;
             values.push(Some(class.0));
         }
         let found = (values.len() - before) as u64;
@@ -151,7 +153,7 @@ mod tests {
             ("width 4", "width 4000000000000", "the raster must have from 1 to"),
             ("width 4", "width 0", "the raster must have from 1 to"),
             (".GSW", ".GS", "line 5: the row must have 4 cells, got 3"),
-            (".GSW", ".GSx", "line 5: `x` is not a terrain"),
+            (".GSW", ".GSx", "line 5: a terrain must be one of .GSWT@O, got `x`"),
             ("map\n", "mop\n", "line 4: `mop` before the line `map`"),
         ] {
             let error = read_map(&mut MAP.replace(from, to).as_bytes()).unwrap_err().to_string();
