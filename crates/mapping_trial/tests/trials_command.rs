@@ -460,6 +460,11 @@ fn a_driver_that_fails_leaves_no_trial() {
     let measure =
         ["measure", "room.json", "--panel=panel.ron", "--driver=sh driver.sh", "--anchors=anchors"];
     assert!(error(at, &measure).contains("the driver failed: a line that is not an answer"));
+    // Whether a trial can begin is known before the anchors are measured.
+    let (unknown, folder) = ("--driver=no such program", "--anchors=new");
+    let text = error(at, &["measure", "room.json", "--panel=panel.ron", unknown, folder]);
+    assert!(text.contains("condition \"driver\" of the panel: it cannot be started: "), "{text}");
+    assert!(text.starts_with("error: room.json: ") && !at.join("new").exists(), "{text}");
 }
 
 #[test]

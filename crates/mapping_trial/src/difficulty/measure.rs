@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::panel::Panel;
 use super::usual_noise::usual_variance;
 use crate::experiment::stats::half_interval;
-use crate::experiment::survey::{Failure, Site};
+use crate::experiment::survey::{Condition, Failure, Site};
 use crate::score::Scores;
 use crate::trial::{EndReason, LogWorld};
 
@@ -70,6 +70,16 @@ pub enum MeasureError {
         /// Mean score of the hard anchors.
         hard: f64,
     },
+}
+
+impl MeasureError {
+    fn under(condition: &Condition, failure: Failure) -> Self {
+        let condition = condition.name.clone();
+        match failure {
+            Failure::World(reason) => MeasureError::Trial { condition, reason },
+            Failure::Driver(reason) => MeasureError::Driver { condition, reason },
+        }
+    }
 }
 
 /// The measured difficulty of a world, with the data that it was computed from.
@@ -137,6 +147,20 @@ impl<'a> Measuring<'a> {
         Measuring { site: Site::new(world.clone(), source), panel, noise, scores }
     }
 
+    /// Checks that a trial can start under every condition of the panel, which starts its driver for a moment.
+    /// This takes much less time than a trial.
+    ///
+    /// # Errors
+    ///
+    /// If no trial can run under one of the conditions, or if a driver cannot be started.
+    pub fn check(&self) -> Result<(), MeasureError> {
+        let mut conditions = self.panel.conditions.iter();
+        conditions.try_for_each(|condition| {
+            let checked = self.site.check(condition, self.noise);
+            checked.map_err(|failure| MeasureError::under(condition, failure))
+        })
+    }
+
     /// Runs one more trial under each of some conditions of the panel, by their numbers from 0, on all
     /// threads of the current pool.
     ///
@@ -154,13 +178,8 @@ impl<'a> Measuring<'a> {
             // With the same noise under all conditions, noise would not average out.
             let count = self.panel.conditions.len() * self.scores[condition].len() + condition;
             let noise = self.noise.offset(count as u64);
-            let outcome = self.site.run(own, noise).map_err(|failure| {
-                let condition = own.name.clone();
-                match failure {
-                    Failure::World(reason) => MeasureError::Trial { condition, reason },
-                    Failure::Driver(reason) => MeasureError::Driver { condition, reason },
-                }
-            })?;
+            let outcome = self.site.run(own, noise);
+            let outcome = outcome.map_err(|failure| MeasureError::under(own, failure))?;
             let is_explored = outcome.end == Some(EndReason::Explored);
             let coverage = outcome.scores.coverage;
             Ok((condition, Scored { dials: scores(&outcome.scores), is_explored, coverage }))
@@ -394,8 +413,9 @@ mod tests {
         let world = room.generate(Seed(1)).expect("a room").to_world();
         let mut measuring = Measuring::new(&world, &panel, Seed(1));
         let text = measuring.add(&[0]).expect_err("no driver").to_string();
-        let start = "the driver failed under the condition \"nearest, lms200_mm\" of the panel: it cannot be started";
+        let start = "the driver failed under the condition \"nearest, lms200_mm\" of the panel: it cannot be started: \"no-such-program\": ";
         assert!(text.starts_with(start), "{text}");
+        assert_eq!(measuring.check().expect_err("no driver").to_string(), text);
     }
 
     #[test]

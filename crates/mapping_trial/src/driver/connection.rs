@@ -51,8 +51,9 @@ impl Driver {
         limits: Limits,
         errors: impl Write + Send + 'static,
     ) -> Result<Self, DriverError> {
-        let (process, input, output) =
-            Process::start(command, errors).map_err(DriverError::Start)?;
+        let program = command.get_program().to_string_lossy().into_owned();
+        let (process, input, output) = Process::start(command, errors)
+            .map_err(|error| DriverError::Start { program, error })?;
         Ok(Driver::of(Session::new(Link::new(input, output, limits), limits, Some(process))))
     }
 

@@ -16,8 +16,13 @@ pub enum DriverError {
     #[error("{0}")]
     Command(&'static str),
     /// The driver cannot be started.
-    #[error("it cannot be started: {0}")]
-    Start(std::io::Error),
+    #[error("it cannot be started: {program:?}: {error}")]
+    Start {
+        /// The program.
+        program: String,
+        /// The error of the system.
+        error: std::io::Error,
+    },
     /// The driver ended or closed one of its ends.
     #[error("{0}")]
     Gone(String),

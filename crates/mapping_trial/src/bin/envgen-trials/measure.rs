@@ -65,9 +65,11 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
         world.start = Some(start.ok_or("the world has no free space to start in").in_file(path)?);
     }
     let panel = arguments.panel.panel()?;
+    let mut measuring = Measuring::new(&world, &panel, arguments.noise_seed);
+    // Before the anchors, which may take minutes.
+    measuring.check().in_file(path)?;
     let scale = arguments.panel.scale(&panel, threads)?;
     let bar = progress::trials(panel.conditions.len() as u64 * u64::from(arguments.seeds), 0);
-    let mut measuring = Measuring::new(&world, &panel, arguments.noise_seed);
     let all: Vec<usize> = (0..panel.conditions.len()).collect();
     for _ in 0..arguments.seeds {
         measuring.add(&all).in_file(path)?;

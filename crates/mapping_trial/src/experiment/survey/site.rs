@@ -8,7 +8,7 @@ use envgen::{Seed, World};
 
 use super::design::Condition;
 use crate::driver::{Driver, Hello, Limits, command};
-use crate::flat::FlatWorld;
+use crate::flat::{FlatSimulator, FlatWorld};
 use crate::robot::Robot;
 use crate::score::{Reference, Scores};
 use crate::trial::{EndReason, LogWorld, Trial, TrialBuilder};
@@ -48,6 +48,13 @@ impl Failure {
     }
 }
 
+/// A trial that can begin.
+struct Prepared {
+    trial: Trial<FlatSimulator>,
+    reference: Arc<Reference>,
+    driver: Option<Driver>,
+}
+
 #[derive(Clone)]
 struct Indexed {
     flat: Arc<FlatWorld>,
@@ -59,8 +66,12 @@ impl Site {
         Site { world, source, robots: Mutex::default() }
     }
 
-    /// Runs a trial under a condition to its end, or returns why it cannot run.
-    pub(crate) fn run(&self, condition: &Condition, noise: Seed) -> Result<Outcome, Failure> {
+    /// Prepares a trial under a condition, with its driver if there is one, and returns why it cannot run.
+    pub(crate) fn check(&self, condition: &Condition, noise: Seed) -> Result<(), Failure> {
+        self.prepare(condition, noise).map(drop)
+    }
+
+    fn prepare(&self, condition: &Condition, noise: Seed) -> Result<Prepared, Failure> {
         let settings = condition.settings(noise).map_err(Failure::world)?;
         let Indexed { flat, reference } = self.indexed(&settings.body).map_err(Failure::World)?;
         let mut builder =
@@ -75,7 +86,13 @@ impl Site {
         if let Some(driver) = &driver {
             builder = builder.parts(driver.parts());
         }
-        let mut trial = builder.build_flat_in(flat).map_err(Failure::world)?;
+        let trial = builder.build_flat_in(flat).map_err(Failure::world)?;
+        Ok(Prepared { trial, reference, driver })
+    }
+
+    /// Runs a trial under a condition to its end, or returns why it cannot run.
+    pub(crate) fn run(&self, condition: &Condition, noise: Seed) -> Result<Outcome, Failure> {
+        let Prepared { mut trial, reference, driver } = self.prepare(condition, noise)?;
         while trial.step() {}
         if let Some(driver) = driver {
             if let Some(reason) = driver.failure() {
