@@ -170,8 +170,8 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
     if merge {
         let height::Merged { full, others } =
             height::merge(spawned.solids(world), settings.full_height);
-        if let Some(collider) = full {
-            world.entity_mut(spawned.tile).insert((collider, physical));
+        if let (Some(collider), Ok(mut tile)) = (full, world.get_entity_mut(spawned.tile)) {
+            tile.insert((collider, physical));
         }
         for (height, collider) in others {
             add_below(world, spawned.tile, "solids", (collider, height, physical));
@@ -205,7 +205,7 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
 
 /// Fills a doorway that is permanently closed. The collider of the doorway itself is a sensor.
 fn close(world: &mut World, doorway: Entity, groups: CollisionGroups) {
-    let entity = world.entity(doorway);
+    let Ok(entity) = world.get_entity(doorway) else { return };
     let (Some(part), Some(shape)) = (entity.get::<Doorway>(), entity.get::<PartShape>()) else {
         return;
     };
@@ -216,8 +216,12 @@ fn close(world: &mut World, doorway: Entity, groups: CollisionGroups) {
     }
 }
 
-/// Spawns a collider with an entity of its own, at the pose of `parent`.
+/// Spawns a collider with an entity of its own, at the pose of `parent`, unless an observer of another
+/// collider has despawned `parent`.
 fn add_below(world: &mut World, parent: Entity, name: &'static str, collider: impl Bundle) {
+    if world.get_entity(parent).is_err() {
+        return;
+    }
     let above = world.get::<GlobalTransform>(parent).copied().unwrap_or_default();
     world.spawn((
         Name::new(name),

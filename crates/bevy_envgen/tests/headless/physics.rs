@@ -13,7 +13,7 @@ use bevy_envgen::physics::ColliderMerging;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, spawn_ready, step, test_app, truth, wait_until_ready};
 
-use super::specs;
+use super::{spawned, specs};
 
 const RANGE: f64 = 15.0;
 const MILLIMETRE: f64 = 1e-3;
@@ -414,4 +414,23 @@ fn rapiers_messages_are_cleared() {
     assert!(is_cleared(&mut app, MassModifiedMessage(body)));
     let flags = CollisionEventFlags::empty();
     assert!(is_cleared(&mut app, CollisionEvent::Stopped(body, body, flags)));
+}
+
+#[test]
+fn an_observer_of_a_collider_may_despawn_its_environment() {
+    for solids in [SolidStorage::Entities, SolidStorage::TileData] {
+        let mut app = test_app();
+        let despawn = |_: On<Add, Collider>,
+                       environments: Query<Entity, With<Environment>>,
+                       mut commands: Commands| {
+            for environment in &environments {
+                commands.entity(environment).try_despawn();
+            }
+        };
+        app.add_observer(despawn);
+        let environment = Environment::new(IndoorSpec::default(), 4).with_solids(solids);
+        app.world_mut().spawn(environment.with_pace(GenerationMode::Blocking));
+        step(&mut app, 3);
+        assert_eq!((spawned(&mut app), in_rapier(&mut app)), (0, (0, 0)), "{solids:?}");
+    }
 }
