@@ -5,11 +5,14 @@ use bevy_envgen::Environment;
 
 use super::component::{MappingTrial, TrialRobot};
 
+/// A filter for the parents of robots, also where an observer of a robot removed the environment.
+type Parent = Or<(With<Environment>, With<MappingTrial>)>;
+
 /// Despawns the robots below an environment that were spawned from a scene or cloned, since scenes and clones
 /// do not hold the trial of these robots.
 pub(super) fn dismiss(
     added: Query<(Entity, &ChildOf), Added<TrialRobot>>,
-    environments: Query<Option<&MappingTrial>, With<Environment>>,
+    environments: Query<Option<&MappingTrial>, Parent>,
     mut commands: Commands,
 ) {
     for (robot, below) in &added {

@@ -11,6 +11,7 @@ use mapping_trial::trial::{Trial, TrialLog, TrialParts, TrialSettings};
 
 use super::bodies::RapierRobots;
 use super::camera::Camera;
+use super::error::MappingTrialError;
 
 /// A component that runs a mapping trial in the world of the [`Environment`](bevy_envgen::Environment) on the
 /// same entity.
@@ -18,7 +19,8 @@ use super::camera::Camera;
 /// The trial begins once the world is ready: its robots are spawned as children of the environment, with the
 /// component [`TrialRobot`], and [`TrialStarted`](super::TrialStarted) is triggered. When the environment
 /// gets another world, the trial begins again. While it has no world, for example while it is tilted, there
-/// are no robots. A robot that is despawned no longer takes part in the trial.
+/// are no robots. Without an environment, the trial fails until there is one. A robot that is despawned no
+/// longer takes part in the trial.
 ///
 /// Removing the component or despawning the environment removes the robots. Until then the environment has
 /// the `EnvironmentColliders` that the robots need, even if an app inserts others. Scenes and clones do not
@@ -56,8 +58,8 @@ pub(super) enum State {
     Warming(Box<Run>),
     Running(Box<Run>),
     Over(Box<Run>),
-    /// The world is endless.
-    Endless,
+    /// There is no environment, or its world is endless.
+    Nowhere(MappingTrialError),
     /// The trial cannot begin in this place. `suited` is whether time steps and scale were valid.
     Failed {
         place: Place,
@@ -126,7 +128,7 @@ impl MappingTrial {
     /// Returns whether the trial cannot begin, or continue, in the current world; see
     /// [`TrialFailed`](super::TrialFailed).
     pub fn has_failed(&self) -> bool {
-        matches!(self.state, State::Failed { .. } | State::Endless)
+        matches!(self.state, State::Failed { .. } | State::Nowhere(_))
     }
 
     /// Ends the trial in the next tick, for every robot that is still driving.
@@ -139,7 +141,7 @@ impl MappingTrial {
     fn run(&self) -> Option<&Run> {
         match &self.state {
             State::Warming(run) | State::Running(run) | State::Over(run) => Some(run),
-            State::Waiting | State::Failed { .. } | State::Endless => None,
+            State::Waiting | State::Failed { .. } | State::Nowhere(_) => None,
         }
     }
 

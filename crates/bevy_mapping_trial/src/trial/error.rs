@@ -41,6 +41,9 @@ pub enum MappingTrialError {
     /// The doors, people or smoke of the environment are invalid.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// The entity of the trial has no environment.
+    #[error("a trial needs the component `Environment` on its entity")]
+    NoEnvironment,
     /// The world of the environment is endless.
     #[error("a trial needs a world with an end, but the environment's is endless")]
     Endless,

@@ -19,7 +19,7 @@ pub struct TrialEnded {
 }
 
 /// An event that is triggered on an environment when its trial cannot begin, or cannot continue because the
-/// environment is scaled or the time steps were changed.
+/// environment was removed or scaled, or the time steps were changed.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TrialFailed {
     /// The environment.

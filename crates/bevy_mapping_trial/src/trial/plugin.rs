@@ -64,7 +64,7 @@ impl Plugin for TrialPlugin {
                 (
                     (
                         clones::dismiss,
-                        run::refuse_endless,
+                        run::refuse_places,
                         run::begin,
                         colliders::replace,
                         run::command,

@@ -3,8 +3,8 @@
 use bevy::prelude::*;
 use bevy_envgen::scenario::RestartScenario;
 use bevy_envgen::{
-    EndlessTruth, EnvironmentScenario, EnvironmentState, GroundTruth, ScenarioFailure, ScenarioRun,
-    SpawnedOrigin,
+    EndlessTruth, Environment, EnvironmentScenario, EnvironmentState, GroundTruth, ScenarioFailure,
+    ScenarioRun, SpawnedOrigin,
 };
 use bevy_rapier2d::prelude::TimestepMode;
 use envgen::geometry::Pose;
@@ -56,7 +56,7 @@ pub(super) fn begin(
         };
         let suits = check(&fixed, rapier.as_deref(), transform);
         let stays = match &trial.state {
-            State::Waiting | State::Endless => false,
+            State::Waiting | State::Nowhere(_) => false,
             // The time steps or the scale may have been corrected since.
             State::Failed { place: known, suited } => {
                 known.is(&place) && (*suited || suits.is_err())
@@ -117,18 +117,27 @@ pub(super) fn begin(
     }
 }
 
-/// Reports trials that wait in endless worlds.
-pub(super) fn refuse_endless(
-    mut trials: Query<(Entity, &mut MappingTrial), With<EndlessTruth>>,
+/// Reports trials that wait without an environment or in endless worlds.
+pub(super) fn refuse_places(
+    mut trials: Query<(Entity, &mut MappingTrial, Has<Environment>, Has<EndlessTruth>)>,
     mut commands: Commands,
 ) {
-    for (entity, mut trial) in &mut trials {
-        if !matches!(trial.state, State::Waiting) {
+    for (entity, mut trial, has_environment, is_endless) in &mut trials {
+        let error = match (has_environment, is_endless) {
+            (false, _) => MappingTrialError::NoEnvironment,
+            (true, true) => MappingTrialError::Endless,
+            (true, false) => continue,
+        };
+        let is_known = match &trial.state {
+            State::Waiting => false,
+            State::Nowhere(known) => *known == error,
+            _ => true,
+        };
+        if is_known {
             continue;
         }
-        trial.state = State::Endless;
-        let error = MappingTrialError::Endless;
         log::warn!("trial in environment {entity}: {error}");
+        trial.state = State::Nowhere(error.clone());
         commands.trigger(TrialFailed { entity, error });
     }
 }

@@ -34,11 +34,12 @@ fn a_trial_stops_with_its_environment_and_begins_again_with_another() {
     app.world_mut().entity_mut(root).remove::<Environment>();
     step(&mut app, 20);
     assert_eq!((robots(&mut app), in_rapier(&mut app)), (0, (0, 0)));
-    assert!(trial(&app, root).trial().is_none());
-    assert_eq!(reported(&app), ["started"]);
+    assert!(trial(&app, root).trial().is_none() && trial(&app, root).has_failed());
+    let lost = "a trial needs the component `Environment` on its entity";
+    assert_eq!(reported(&app), ["started", lost]);
     app.world_mut().entity_mut(root).insert(environment());
     step(&mut app, 20);
-    assert_eq!(reported(&app), ["started", "started"]);
+    assert_eq!(reported(&app), ["started", lost, "started"]);
     assert_eq!(robots(&mut app), 1);
 }
 
@@ -177,4 +178,33 @@ fn a_trial_in_a_world_without_an_end_is_refused() {
     app.world_mut().entity_mut(root).remove::<StreamAround>().insert(environment());
     step(&mut app, 40);
     assert_eq!(reported(&app)[2..], ["started"]);
+}
+
+#[test]
+fn a_trial_without_an_environment_is_reported_until_there_is_one() {
+    let mut app = app(20.0);
+    listen(&mut app);
+    let root = app.world_mut().spawn(MappingTrial::new(short(60.0))).id();
+    step(&mut app, 20);
+    assert_eq!(reported(&app), ["a trial needs the component `Environment` on its entity"]);
+    assert!(trial(&app, root).has_failed());
+    app.world_mut().entity_mut(root).insert(environment());
+    step(&mut app, 20);
+    assert_eq!(reported(&app)[1..], ["started"]);
+    assert!(!trial(&app, root).has_failed());
+}
+
+#[test]
+fn no_robot_is_left_where_an_observer_of_the_first_one_removes_the_environment() {
+    let mut app = app(20.0);
+    let remove = |added: On<Add, TrialRobot>, parents: Query<&ChildOf>, mut commands: Commands| {
+        if let Ok(root) = parents.get(added.entity) {
+            commands.entity(root.parent()).try_remove::<Environment>();
+        }
+    };
+    app.add_observer(remove);
+    let trial = MappingTrial::new(TrialSettings { robots: 2, ..short(60.0) });
+    app.world_mut().spawn((environment(), trial));
+    step(&mut app, 20);
+    assert_eq!((robots(&mut app), in_rapier(&mut app)), (0, (0, 0)));
 }
