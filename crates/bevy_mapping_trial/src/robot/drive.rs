@@ -53,6 +53,11 @@ pub(super) fn drive(
         if std::mem::take(&mut wheels.bypass_change_detection().drowned) {
             kind.set_if_neq(RigidBody::Dynamic);
         }
+        if chassis.check().is_err() {
+            wheels.set(Command::STOP, 0.0);
+            velocity.set_if_neq(Velocity::default());
+            continue;
+        }
         let Some(pose) = pose_of(bodies, entity) else { continue };
         let empty = battery.is_some_and(|battery| battery.left <= 0.0);
         let command = if empty { DriveCommand::default() } else { *command };

@@ -92,6 +92,7 @@ impl Plugin for RobotPlugin {
             .register_type::<WheelOdometry>()
             .register_type::<Wheels>()
             .add_observer(model::fit)
+            .add_observer(model::unfit)
             .configure_sets(
                 self.schedule,
                 (
@@ -112,5 +113,6 @@ impl Plugin for RobotPlugin {
                     (sense::sense, scan::scan).chain().in_set(RobotSystems::Sense),
                 ),
             );
+        model::fit_early(app.world_mut());
     }
 }

@@ -1,5 +1,6 @@
 //! The components of robots.
 
+use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
 #[cfg(feature = "serialize")]
 use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
@@ -9,9 +10,9 @@ use bevy_rapier2d::prelude::{
     AdditionalMassProperties, Collider, ColliderMassProperties, Friction, RigidBody, Sleeping,
     Velocity,
 };
-use envgen::Seed;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
+use envgen::{Seed, SpecError};
 use mapping_trial::backend::Command;
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::{Footprint, Robot};
@@ -22,8 +23,10 @@ use mapping_trial::robot::{Footprint, Robot};
 /// [`Battery`], its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Components
 /// that the entity already has are kept, and so is a [`Chassis`] that is inserted later. Colliders of
 /// children belong to the robot too. Models of other robots can be read from RON; see [`Robot::from_ron`]. An
-/// invalid model gets no body and logs a warning. If it replaces another model, it removes the components
-/// that the other one added.
+/// invalid model gets no body and logs a warning. If it replaces another model, or if this component is
+/// removed, the components that the model added are removed.
+///
+/// A robot is a body of rapier's default context. Robots in other contexts neither drive nor sense.
 #[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
@@ -49,7 +52,9 @@ impl From<Command> for DriveCommand {
     }
 }
 
-/// A component with the mass and the wheels of a robot in rapier. The default is the Pioneer 3-AT.
+/// A component with the mass and the wheels of a robot in rapier. The default is the Pioneer 3-AT. A robot
+/// stands still, and a warning is logged, while the mass is not positive, or the grip or the track is
+/// negative, or any of them is not finite.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]
@@ -62,6 +67,23 @@ pub struct Chassis {
     /// The effective track of the skid-steered wheels in metres. It is wider than the geometric track,
     /// because the wheels slip sideways when the robot turns.
     pub track: f64,
+}
+
+impl Chassis {
+    /// Returns an error if a field has a value with which no robot can drive.
+    pub(super) fn check(&self) -> Result<(), SpecError> {
+        if !(self.mass > 0.0 && self.mass.is_normal()) {
+            let error = SpecError::new("mass", self.mass, "a finite number above 0");
+            return Err(error.within("Chassis"));
+        }
+        for (field, value) in [("grip", f64::from(self.grip)), ("track", self.track)] {
+            if !(value >= 0.0 && value.is_finite()) {
+                let error = SpecError::new(field, value, "a finite number, at least 0");
+                return Err(error.within("Chassis"));
+            }
+        }
+        Ok(())
+    }
 }
 
 impl From<mapping_trial::robot::Chassis> for Chassis {
@@ -250,7 +272,11 @@ impl WheelOdometry {
 /// replaces them.
 #[derive(Component, Clone, Copy, Default)]
 pub(super) struct Fitted {
+    battery: bool,
     body: bool,
+    velocity: bool,
+    friction: bool,
+    sleeping: bool,
     /// The chassis that was added. If the entity has a different one, it is the entity's own.
     chassis: Option<Chassis>,
     collider: bool,
@@ -260,27 +286,31 @@ pub(super) struct Fitted {
     height: bool,
 }
 
-/// A model, with the components that its entity already has.
-type Model = (
-    &'static RobotModel,
-    Has<RigidBody>,
-    Option<&'static Chassis>,
-    Has<Collider>,
-    Has<AdditionalMassProperties>,
-    Has<ScenarioAgent>,
-    Has<HeightRange>,
-    Option<&'static Fitted>,
-);
+/// What an entity has of the components that a model adds.
+#[derive(QueryData)]
+pub(super) struct Parts {
+    battery: Has<Battery>,
+    body: Has<RigidBody>,
+    velocity: Has<Velocity>,
+    friction: Has<Friction>,
+    sleeping: Has<Sleeping>,
+    chassis: Option<&'static Chassis>,
+    collider: Has<Collider>,
+    mass: Has<AdditionalMassProperties>,
+    agent: Has<ScenarioAgent>,
+    height: Has<HeightRange>,
+    fitted: Option<&'static Fitted>,
+}
 
 /// Adds a body, a collider, a chassis and a full battery to a robot, and makes people and doors react to it.
-pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut commands: Commands) {
-    let Ok((model, has_body, chassis, collides, is_heavy, is_agent, is_high, fitted)) =
-        models.get(fit.entity)
-    else {
-        return;
-    };
-    let fitted = fitted.copied().unwrap_or_default();
-    let own_chassis = chassis.copied().filter(|chassis| fitted.chassis != Some(*chassis));
+pub(super) fn fit(
+    fit: On<Insert, RobotModel>,
+    models: Query<(&RobotModel, Parts)>,
+    mut commands: Commands,
+) {
+    let Ok((model, has)) = models.get(fit.entity) else { return };
+    let fitted = has.fitted.copied().unwrap_or_default();
+    let own_chassis = has.chassis.copied().filter(|chassis| fitted.chassis != Some(*chassis));
     // Another observer may have despawned the robot, so insertions may fail.
     let mut robot = commands.entity(fit.entity);
     if let Err(error) = model.validate() {
@@ -297,18 +327,24 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
         Sleeping::disabled(),
     ));
     let chassis = own_chassis.unwrap_or(model.chassis.into());
-    let own_collider = collides && !fitted.collider;
-    let own_mass = is_heavy && !fitted.mass;
-    let own_agent = is_agent && !fitted.agent;
+    // Rapier gets the mass of the model until that of the chassis is valid.
+    let mass = chassis.check().map_or(model.chassis.mass as f32, |()| chassis.mass);
+    let own_collider = has.collider && !fitted.collider;
+    let own_mass = has.mass && !fitted.mass;
+    let own_agent = has.agent && !fitted.agent;
     if !own_agent {
         robot.try_insert(ScenarioAgent::new(model.circumscribed_radius));
     }
-    let own_height = is_high && !fitted.height;
+    let own_height = has.height && !fitted.height;
     if let (false, Ok(extent)) = (own_height, model.extent()) {
         robot.try_insert(HeightRange::from(extent));
     }
     let fitted = Fitted {
-        body: !has_body || fitted.body,
+        battery: !has.battery || fitted.battery,
+        body: !has.body || fitted.body,
+        velocity: !has.velocity || fitted.velocity,
+        friction: !has.friction || fitted.friction,
+        sleeping: !has.sleeping || fitted.sleeping,
         chassis: own_chassis.is_none().then_some(chassis),
         collider: !own_collider,
         mass: own_collider && !own_mass,
@@ -318,7 +354,7 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
     robot.try_insert((chassis, fitted));
     if own_collider {
         if !own_mass {
-            robot.try_insert(AdditionalMassProperties::Mass(chassis.mass));
+            robot.try_insert(AdditionalMassProperties::Mass(mass));
         }
         return;
     }
@@ -326,11 +362,34 @@ pub(super) fn fit(fit: On<Insert, RobotModel>, models: Query<Model>, mut command
         Footprint::Box => Collider::cuboid(0.5 * model.length as f32, 0.5 * model.width as f32),
         Footprint::Disc => Collider::ball(model.circumscribed_radius as f32),
     };
-    robot.try_insert((collider, ColliderMassProperties::Mass(chassis.mass)));
+    robot.try_insert((collider, ColliderMassProperties::Mass(mass)));
+}
+
+/// Fits the models that the app has inserted before it adds the plugin.
+pub(super) fn fit_early(world: &mut World) {
+    let mut models = world.query::<(Entity, &RobotModel)>();
+    let models: Vec<_> = models.iter(world).map(|(robot, model)| (robot, model.clone())).collect();
+    for (robot, model) in models {
+        if let Ok(mut robot) = world.get_entity_mut(robot) {
+            robot.insert(model);
+        }
+    }
+}
+
+/// Removes the components that were added for a model that is removed.
+pub(super) fn unfit(
+    removed: On<Remove, RobotModel>,
+    robots: Query<(&Fitted, Option<&Chassis>)>,
+    mut commands: Commands,
+) {
+    let Ok((fitted, chassis)) = robots.get(removed.entity) else { return };
+    let added = fitted.chassis.filter(|added| chassis == Some(added));
+    strip(&mut commands.entity(removed.entity), Fitted { chassis: added, ..*fitted });
 }
 
 /// A robot, with its masses in rapier.
 type Weighed = (
+    Entity,
     &'static Chassis,
     &'static Fitted,
     Option<&'static mut ColliderMassProperties>,
@@ -339,7 +398,11 @@ type Weighed = (
 
 /// Updates the masses of robots whose chassis has changed.
 pub(super) fn weigh(mut robots: Query<Weighed, Changed<Chassis>>) {
-    for (chassis, fitted, collider, additional) in &mut robots {
+    for (robot, chassis, fitted, collider, additional) in &mut robots {
+        if let Err(error) = chassis.check() {
+            log::warn!("robot {robot} stands still: {error}");
+            continue;
+        }
         if let Some(mut mass) = collider.filter(|_| fitted.collider) {
             mass.set_if_neq(ColliderMassProperties::Mass(chassis.mass));
         }
@@ -351,8 +414,20 @@ pub(super) fn weigh(mut robots: Query<Weighed, Changed<Chassis>>) {
 
 /// Removes the components that were added for the last model.
 fn strip(robot: &mut EntityCommands<'_>, fitted: Fitted) {
+    if fitted.battery {
+        robot.try_remove::<Battery>();
+    }
     if fitted.body {
-        robot.try_remove::<(RigidBody, Velocity)>();
+        robot.try_remove::<RigidBody>();
+    }
+    if fitted.velocity {
+        robot.try_remove::<Velocity>();
+    }
+    if fitted.friction {
+        robot.try_remove::<Friction>();
+    }
+    if fitted.sleeping {
+        robot.try_remove::<Sleeping>();
     }
     if fitted.chassis.is_some() {
         robot.try_remove::<Chassis>();

@@ -73,7 +73,7 @@ pub(super) fn sense(
         let bogged = wheels.bogged.then_some(Touched::Solid);
         let touched = bogged.max(touched(&rapier, entity, lost.as_vec2(), &people));
         bumper.feel(touched);
-        if touched.is_some() && dt > 0.0 {
+        if touched.is_some() && dt > 0.0 && chassis.check().is_ok() {
             // A stopped body stops its wheels.
             let motion = Command { speed: distance / dt, turn_rate: turn / dt };
             wheels.set(motion, chassis.track);

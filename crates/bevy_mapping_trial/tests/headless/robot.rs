@@ -6,9 +6,10 @@ use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, spawn_ready, step, test_app_with};
 use bevy_mapping_trial::prelude::*;
-use bevy_mapping_trial::robot::RobotCondition;
+use bevy_mapping_trial::robot::{RobotCondition, Wheels};
 use bevy_rapier2d::prelude::{
-    Collider, ColliderMassProperties, RapierRigidBodySet, RigidBody, Sensor,
+    Collider, ColliderMassProperties, Friction, RapierRigidBodySet, RigidBody, Sensor, Sleeping,
+    Velocity,
 };
 use envgen::geometry::{Rect, Shape};
 use envgen::glam::DVec2;
@@ -285,6 +286,8 @@ fn a_model_that_is_not_allowed_takes_what_the_last_one_added() {
     let found = app.world().entity(robot);
     assert!(!found.contains::<RigidBody>() && !found.contains::<Collider>());
     assert!(!found.contains::<HeightRange>() && !found.contains::<ScenarioAgent>());
+    assert!(!found.contains::<Battery>() && !found.contains::<Velocity>());
+    assert!(!found.contains::<Friction>() && !found.contains::<Sleeping>());
     let found = app.world().entity(own);
     assert!(found.contains::<RigidBody>() && found.contains::<HeightRange>());
     assert!(!found.contains::<Collider>());
@@ -484,4 +487,87 @@ fn an_observer_may_despawn_a_robot_as_it_is_spawned() {
         let mut robots = app.world_mut().query::<&RobotModel>();
         assert_eq!(robots.iter(app.world()).count(), 0);
     }
+}
+
+#[test]
+fn robots_may_be_spawned_before_the_plugin_is_added() {
+    let mut app = App::new();
+    let odometry = WheelOdometry::new(OdometryProfile::EXACT, 1, 0);
+    let robot = app.world_mut().spawn((RobotModel::default(), odometry)).id();
+    app.add_plugins((MinimalPlugins, TransformPlugin, TopDownPhysicsPlugin::default()));
+    app.add_plugins(RobotPlugin::default());
+    let frame = std::time::Duration::from_secs_f64(1.0 / 64.0);
+    app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
+    app.finish();
+    app.cleanup();
+    drive(&mut app, robot, 0.5, 0.0, 2.0);
+    assert!(position(&app, robot).x > 0.7, "{}", position(&app, robot));
+}
+
+#[test]
+fn a_robot_whose_model_is_removed_keeps_only_what_is_its_own() {
+    let mut app = app(room(10.0, 10.0));
+    let robot = robot(&mut app, 5.0, 5.0);
+    drive(&mut app, robot, 0.5, 0.0, 1.0);
+    app.world_mut().entity_mut(robot).remove::<RobotModel>();
+    let own = (RobotModel::default(), Battery { left: 9.0 }, Chassis::default());
+    let own = app.world_mut().spawn((own, Transform::from_xyz(2.0, 2.0, 0.0))).id();
+    step(&mut app, 2);
+    app.world_mut().entity_mut(own).remove::<RobotModel>();
+    step(&mut app, 2);
+    let of_rapier = |entity: EntityRef<'_>| {
+        entity.contains::<RigidBody>()
+            || entity.contains::<Collider>()
+            || entity.contains::<Friction>()
+    };
+    for robot in [robot, own] {
+        assert!(!of_rapier(app.world().entity(robot)));
+        assert!(!app.world().entity(robot).contains::<ScenarioAgent>());
+    }
+    assert!(!app.world().entity(robot).contains::<Battery>());
+    assert!(!app.world().entity(robot).contains::<Chassis>());
+    assert!(app.world().entity(own).contains::<Battery>());
+    assert!(app.world().entity(own).contains::<Chassis>());
+    let place = |app: &App| *app.world().get::<Transform>(robot).unwrap();
+    let before = place(&app);
+    step(&mut app, 64);
+    assert_eq!(place(&app), before);
+}
+
+#[test]
+fn a_chassis_that_is_not_allowed_stands_still_until_it_is_corrected() {
+    let normal = Chassis::default();
+    for chassis in [
+        Chassis { mass: f32::NAN, ..normal },
+        Chassis { mass: 0.0, ..normal },
+        Chassis { mass: -1.0, ..normal },
+        Chassis { mass: f32::INFINITY, ..normal },
+        Chassis { grip: f32::NAN, ..normal },
+        Chassis { grip: -1.0, ..normal },
+        Chassis { track: f64::NAN, ..normal },
+        Chassis { track: -1.0, ..normal },
+        Chassis { track: f64::INFINITY, ..normal },
+    ] {
+        let mut app = app(room(10.0, 10.0));
+        let robot = robot(&mut app, 5.0, 5.0);
+        app.world_mut().entity_mut(robot).insert(chassis);
+        drive(&mut app, robot, 0.5, 0.3, 1.0);
+        assert!(position(&app, robot).distance(DVec2::new(5.0, 5.0)) < 1e-3, "{chassis:?}");
+        let wheels = app.world().get::<Wheels>(robot).unwrap();
+        assert_eq!((wheels.left, wheels.right), (0.0, 0.0), "{chassis:?}");
+        app.world_mut().entity_mut(robot).insert(normal);
+        drive(&mut app, robot, 0.5, 0.0, 2.0);
+        assert!((position(&app, robot).x - 5.75).abs() < 0.1, "{}", position(&app, robot));
+    }
+    // One that the robot has from the beginning.
+    let mut app = app(room(10.0, 10.0));
+    let broken = Chassis { mass: f32::NAN, ..normal };
+    let odometry = WheelOdometry::new(OdometryProfile::EXACT, 1, 0);
+    let place = Transform::from_xyz(5.0, 5.0, 0.0);
+    let robot = app.world_mut().spawn((RobotModel::default(), broken, odometry, place)).id();
+    drive(&mut app, robot, 0.5, 0.0, 1.0);
+    assert!(position(&app, robot).distance(DVec2::new(5.0, 5.0)) < 1e-3);
+    app.world_mut().entity_mut(robot).insert(normal);
+    drive(&mut app, robot, 0.5, 0.0, 2.0);
+    assert!((position(&app, robot).x - 5.75).abs() < 0.1, "{}", position(&app, robot));
 }
