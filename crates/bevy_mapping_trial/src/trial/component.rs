@@ -26,6 +26,9 @@ use super::error::MappingTrialError;
 /// the `EnvironmentColliders` that the robots need, even if an app inserts others. Scenes and clones do not
 /// hold this component, and their robots are despawned.
 ///
+/// Robots meet only what is spawned. If the world is streamed, the radius of
+/// [`StreamAround`](bevy_envgen::StreamAround) must include everything that their lasers reach.
+///
 /// The events are [`TrialStarted`](super::TrialStarted), [`TrialEnded`](super::TrialEnded) and
 /// [`TrialFailed`](super::TrialFailed).
 #[derive(Component, Reflect)]
@@ -60,10 +63,12 @@ pub(super) enum State {
     Over(Box<Run>),
     /// There is no environment, or its world is endless.
     Nowhere(MappingTrialError),
-    /// The trial cannot begin in this place. `suited` is whether time steps and scale were valid.
+    /// The trial cannot begin in this place. `suited` is whether time steps and scale were valid, and
+    /// `has_scenario_failed` whether the scenario of the environment was not.
     Failed {
         place: Place,
         suited: bool,
+        has_scenario_failed: bool,
     },
 }
 

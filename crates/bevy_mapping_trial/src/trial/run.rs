@@ -50,6 +50,7 @@ pub(super) fn begin(
 ) {
     for (entity, mut trial, origin, state, truth, transform, scenario) in &mut trials {
         let (request, mut moving, failure) = scenario;
+        let has_scenario_failed = failure.is_some();
         let place = Place {
             world: truth.0.clone(),
             scenario: moving.as_ref().map(|moving| moving.added()),
@@ -57,9 +58,11 @@ pub(super) fn begin(
         let suits = check(&fixed, rapier.as_deref(), transform);
         let stays = match &trial.state {
             State::Waiting | State::Nowhere(_) => false,
-            // The time steps or the scale may have been corrected since.
-            State::Failed { place: known, suited } => {
-                known.is(&place) && (*suited || suits.is_err())
+            // The time steps, the scale or the scenario may have been corrected since.
+            State::Failed { place: known, suited, has_scenario_failed: had_failed } => {
+                known.is(&place)
+                    && (*suited || suits.is_err())
+                    && *had_failed == has_scenario_failed
             }
             State::Over(run) => run.place.is(&place),
             State::Warming(run) | State::Running(run) => {
@@ -68,7 +71,7 @@ pub(super) fn begin(
                     log::warn!("trial in environment {entity}: {error}");
                     release(moving.as_deref_mut());
                     dismiss(trial.robots(), &mut commands);
-                    trial.state = State::Failed { place, suited: false };
+                    trial.state = State::Failed { place, suited: false, has_scenario_failed };
                     commands.trigger(TrialFailed { entity, error });
                     continue;
                 }
@@ -110,7 +113,7 @@ pub(super) fn begin(
             Err(error) => {
                 log::warn!("trial in environment {entity}: {error}");
                 release(moving.as_deref_mut());
-                trial.state = State::Failed { place, suited };
+                trial.state = State::Failed { place, suited, has_scenario_failed };
                 commands.trigger(TrialFailed { entity, error });
             }
         }

@@ -285,6 +285,20 @@ fn another_scenario_restarts_the_trial() {
 }
 
 #[test]
+fn a_trial_that_failed_because_of_its_scenario_begins_without_it() {
+    let world = indoor();
+    let mut app = app();
+    let root = spawn(&mut app, &world, &of(&world, everything()));
+    let broken = EnvironmentScenario::new(ScenarioSpec { people: 1_000_000, ..default() }, 1);
+    app.world_mut().entity_mut(root).insert((broken, MappingTrial::new(settings(600.0))));
+    step(&mut app, 20);
+    assert!(app.world().get::<MappingTrial>(root).unwrap().has_failed());
+    app.world_mut().entity_mut(root).remove::<EnvironmentScenario>();
+    step(&mut app, 20);
+    assert!(trial(&app, root).time() > 0.5 && trial(&app, root).scenario().is_none());
+}
+
+#[test]
 fn a_person_on_the_path_is_seen_stops_the_robot_and_is_one_collision() {
     let world = hall();
     let mut scenario = of(&world, ScenarioSpec { waiting: 1e6, ..Default::default() });
