@@ -53,7 +53,7 @@ impl From<Command> for DriveCommand {
 }
 
 /// A component with the mass and the wheels of a robot in rapier. The default is the Pioneer 3-AT. A robot
-/// stands still, and a warning is logged, while the mass is not positive, or the grip or the track is
+/// does not move, and a warning is logged, while the mass is not positive, or the grip or the track is
 /// negative, or any of them is not finite.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
@@ -400,7 +400,7 @@ type Weighed = (
 pub(super) fn weigh(mut robots: Query<Weighed, Changed<Chassis>>) {
     for (robot, chassis, fitted, collider, additional) in &mut robots {
         if let Err(error) = chassis.check() {
-            log::warn!("robot {robot} stands still: {error}");
+            log::warn!("robot {robot} does not move: {error}");
             continue;
         }
         if let Some(mut mass) = collider.filter(|_| fitted.collider) {

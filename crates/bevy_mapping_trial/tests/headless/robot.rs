@@ -535,7 +535,7 @@ fn a_robot_whose_model_is_removed_keeps_only_what_is_its_own() {
 }
 
 #[test]
-fn a_chassis_that_is_not_allowed_stands_still_until_it_is_corrected() {
+fn a_robot_whose_chassis_is_not_allowed_does_not_move_until_it_is_corrected() {
     let normal = Chassis::default();
     for chassis in [
         Chassis { mass: f32::NAN, ..normal },
