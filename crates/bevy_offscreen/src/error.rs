@@ -41,6 +41,12 @@ pub enum CaptureError {
         /// The largest allowed side in pixels.
         largest: u32,
     },
+    /// The area that a camera should show is not finite, too large, or its corners are exchanged.
+    #[error("the area must be finite, and its `min` at most its `max`, got {found:?}")]
+    Area {
+        /// The area.
+        found: Rect,
+    },
     /// The field of view is out of range.
     #[error("the field of view must be between 0 and pi radians, got {found}")]
     FieldOfView {

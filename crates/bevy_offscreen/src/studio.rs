@@ -54,6 +54,16 @@ pub fn find_renderer() -> Result<String, CaptureError> {
     }
 }
 
+/// Returns the width and the height that a camera shows for an area.
+fn with_margin(area: Rect) -> Result<Vec2, CaptureError> {
+    let size = area.size() * (1.0 + 2.0 * MARGIN);
+    if area.min.is_finite() && area.max.is_finite() && size.is_finite() && size.min_element() >= 0.0
+    {
+        return Ok(size.max(Vec2::splat(1e-3)));
+    }
+    Err(CaptureError::Area { found: area })
+}
+
 /// An app that draws into images, without a window or a display.
 ///
 /// Frames run only on request, and the time of the app advances per frame by the time of
@@ -145,11 +155,10 @@ impl Studio {
     /// Spawns a camera that looks down on an area, all of which is visible in the picture.
     ///
     /// # Errors
-    /// Returns an error if the size is out of range.
+    /// Returns an error if the area or the size is out of range.
     pub fn camera(&mut self, area: Rect, size: UVec2) -> Result<Entity, CaptureError> {
+        let [width, height] = with_margin(area)?.to_array();
         let target = self.target(size, 1)?;
-        let [width, height] =
-            (area.size() * (1.0 + 2.0 * MARGIN)).max(Vec2::splat(1e-3)).to_array();
         let camera = (
             Camera2d,
             target,
@@ -286,5 +295,21 @@ impl Studio {
             }
         }
         Err(CaptureError::Lost { frames: MOST_FRAMES })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_are_finite_and_in_order() {
+        let area = |x: f32| Rect { min: Vec2::ZERO, max: Vec2::new(x, 5.0) };
+        let shown = with_margin(area(0.0)).expect("a line has a height");
+        assert!(shown.distance(Vec2::new(1e-3, 5.3)) < 1e-5, "{shown}");
+        for x in [f32::NAN, f32::INFINITY, f32::MAX, -1.0] {
+            let error = with_margin(area(x)).expect_err("a wrong area").to_string();
+            assert!(error.contains("area") && error.contains(&format!("{x:?}")), "{error}");
+        }
     }
 }

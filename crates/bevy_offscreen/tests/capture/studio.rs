@@ -115,6 +115,8 @@ fn what_cannot_be_drawn_is_reported() {
         let error = studio.camera(area, size).unwrap_err();
         assert!(matches!(error, CaptureError::Size { .. }), "{error}");
     }
+    let error = studio.camera(Rect { max: Vec2::NAN, ..area }, SIZE).unwrap_err();
+    assert!(matches!(error, CaptureError::Area { .. }), "{error}");
     let nobody = studio.app().world_mut().spawn_empty().id();
     assert!(matches!(studio.picture(nobody), Err(CaptureError::NoCamera { .. })));
 }
