@@ -143,6 +143,7 @@ pub use height::HeightRange;
 pub use landmarks::{EnvironmentLandmarks, Landmark};
 pub use one_thread::run_on_one_thread;
 pub use part::{PartId, PartKind, PartOf};
+pub use require::require_component;
 pub use scenario::{
     Door, DoorChanged, EnvgenScenarioPlugin, EnvironmentScenario, Person, PersonReacted,
     ScenarioFailed, ScenarioFailure, ScenarioRun, ScenarioStarted, ScenarioSystems,
@@ -264,7 +265,7 @@ impl Plugin for EnvgenCorePlugin {
                 (generate::watch_transforms, landmarks::follow_environments)
                     .after(TransformSystems::Propagate),
             );
-        require::require::<Environment, job::GenerationJob>(app);
+        require_component::<Environment, job::GenerationJob>(app);
     }
 }
 

@@ -3,10 +3,10 @@
 use bevy::ecs::component::RequiredComponentsError;
 use bevy::prelude::*;
 
-/// Makes `R` a required component of `T`, also on the entities with `T` that the app has spawned before it
-/// adds the plugin. Once there has been such an entity, Bevy registers no more required components of `T`.
-/// Several plugins, and the app itself, may require the same component.
-pub(crate) fn require<T: Component, R: Component + Default>(app: &mut App) {
+/// Makes `R` a required component of `T`, also on the entities with `T` that the app has already spawned. Once
+/// there has been such an entity, Bevy registers no more required components of `T`. Several plugins, and the
+/// app itself, may require the same component.
+pub fn require_component<T: Component, R: Component + Default>(app: &mut App) {
     let registered = app.try_register_required_components::<T, R>();
     let Err(RequiredComponentsError::ArchetypeExists(_)) = registered else { return };
     let world = app.world_mut();

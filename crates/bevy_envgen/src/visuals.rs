@@ -18,7 +18,7 @@ use self::part_group::{GroupMaterials, PartGroup, material};
 use crate::environment::{Environment, GroundTruth};
 use crate::job::spawned_origin;
 use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
-use crate::require::require;
+use crate::require::require_component;
 use crate::scenario::{Door, DoorLeaf, Person, ScenarioSystems, Smoke};
 use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSpawned};
@@ -72,13 +72,13 @@ impl Plugin for EnvgenVisualsPlugin {
 /// an app can hide them with everything below them. What is below an entity without it is visible. It is no
 /// error if another plugin has already required it, or if some of these entities exist.
 pub fn require_visibility(app: &mut App) {
-    require::<Environment, Visibility>(app);
-    require::<Tile, Visibility>(app);
-    require::<PartId, Visibility>(app);
-    require::<Person, Visibility>(app);
-    require::<Door, Visibility>(app);
-    require::<DoorLeaf, Visibility>(app);
-    require::<Smoke, Visibility>(app);
+    require_component::<Environment, Visibility>(app);
+    require_component::<Tile, Visibility>(app);
+    require_component::<PartId, Visibility>(app);
+    require_component::<Person, Visibility>(app);
+    require_component::<Door, Visibility>(app);
+    require_component::<DoorLeaf, Visibility>(app);
+    require_component::<Smoke, Visibility>(app);
 }
 
 /// Draws the parts of a tile.

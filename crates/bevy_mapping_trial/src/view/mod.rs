@@ -38,7 +38,7 @@ use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy_envgen::scenario::{Door, Person, Smoke};
 use bevy_envgen::visuals::require_visibility;
-use bevy_envgen::{SpawnedOrigin, Tile};
+use bevy_envgen::{SpawnedOrigin, Tile, require_component};
 use envgen::glam::DVec2;
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::trial::Trial;
@@ -88,8 +88,7 @@ impl WatchTrials for App {
         // Two plugins may register the same component.
         if !self.world().contains_resource::<IsWatched<T>>() {
             self.insert_resource(IsWatched::<T>(PhantomData));
-            // An app may have registered a view of its own, or may already have spawned trials.
-            self.try_register_required_components::<T, TrialView>().ok();
+            require_component::<T, TrialView>(self);
             self.add_observer(forget::<T>);
             self.add_systems(PostUpdate, draw::<T>.in_set(TrialViewSystems::Draw));
         }

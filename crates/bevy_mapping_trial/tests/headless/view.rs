@@ -537,6 +537,25 @@ fn cameras_look_at_robots_and_maps() {
 }
 
 #[test]
+fn trials_may_be_spawned_before_the_plugin_is_added() {
+    let world = hallway();
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin, EnvgenPlugins::default()));
+    let environment = || Environment::prebuilt(world.clone());
+    let hold = || Flat(Some(trial(&world, 1)));
+    let early = app.world_mut().spawn((environment(), hold())).id();
+    let own = TrialView { map: false, ..default() };
+    let owner = app.world_mut().spawn((environment(), hold(), own)).id();
+    app.add_plugins(TrialViewPlugin::default()).watch_trials::<Flat>();
+    let late = app.world_mut().spawn((environment(), hold())).id();
+    step(&mut app, 2);
+    for (root, view) in [(early, TrialView::default()), (owner, own), (late, TrialView::default())]
+    {
+        assert_eq!(app.world().get(root), Some(&view));
+    }
+}
+
+#[test]
 fn without_plugins_that_draw_nothing_is_drawn() {
     let world = hallway();
     let mut app = App::new();
