@@ -27,6 +27,10 @@ use crate::systems::{EnvgenSchedules, EnvgenSystems};
 /// The largest distance in metres between the mesh of a road and its exact edges.
 const ROAD_TOLERANCE: f64 = 0.01;
 
+/// The system set that updates the drawing in two dimensions.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct FlatDrawing;
+
 /// Draws the parts of worlds with one mesh per tile and colour, as children of the tile. The people, leaves
 /// and smoke of scenarios have meshes as children.
 ///
@@ -60,6 +64,7 @@ impl Plugin for EnvgenVisualsPlugin {
         app.add_systems(
             main,
             (moving::stretch_leaves, moving::fade_smoke)
+                .in_set(FlatDrawing)
                 .after(EnvgenSystems::Notify)
                 // An app may have scenarios in the same schedule.
                 .after(ScenarioSystems),

@@ -33,6 +33,7 @@ mod tree_levels;
 mod trees;
 
 use bevy::camera::visibility::VisibilitySystems;
+use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 
@@ -46,7 +47,7 @@ pub use tile::TileMesh;
 
 use crate::scenario::ScenarioSystems;
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
-use crate::visuals::require_visibility;
+use crate::visuals::{FlatDrawing, require_visibility};
 
 /// Draws worlds in three dimensions, for [`Camera3d`], with or without the plugin for two dimensions. Apart
 /// from its trees, each tile has at most one mesh for each [`Finish`].
@@ -103,19 +104,22 @@ impl Plugin for EnvgenVisuals3dPlugin {
         app.add_systems(
             main,
             (
-                stage::set_stage,
+                stage::set_stage.run_if(finish_material::can_draw),
                 stage::follow_anchors,
                 stage::share_sun,
                 tile::show_ceilings,
                 moving::stretch_leaves,
                 moving::remove_clones,
-                (sky::take_skies, sky::add_skies).chain(),
+                sky::take_skies,
+                sky::add_skies,
                 smoke::thicken_smoke,
                 smoke::measure_depths,
             )
+                .chain()
                 .after(EnvgenSystems::Notify)
                 // An app may have scenarios in the same schedule.
-                .after(ScenarioSystems),
+                .after(ScenarioSystems)
+                .after(FlatDrawing),
         )
         .add_systems(
             PostUpdate,
@@ -123,7 +127,10 @@ impl Plugin for EnvgenVisuals3dPlugin {
                 .after(TransformSystems::Propagate)
                 // At that time the cameras of robots that take a picture are active.
                 .after(VisibilitySystems::UpdateFrusta)
-                .before(VisibilitySystems::CheckVisibility),
+                .after(VisibilitySystems::CalculateBounds)
+                .before(VisibilitySystems::CheckVisibility)
+                // That system only marks meshes as changed.
+                .ambiguous_with(mark_3d_meshes_as_changed_if_their_assets_changed),
         );
         require_visibility(app);
     }

@@ -13,7 +13,7 @@ use envgen::world::{Extent, PartId, PartKind};
 
 use super::draft::Draft;
 use super::finish::Finish;
-use super::finish_material::{can_draw, material};
+use super::finish_material::material;
 use super::glow::{self, is_building};
 use super::palette::Palette3d;
 use super::settings::Visuals3dSettings;
@@ -61,57 +61,52 @@ const TO_SUN: Vec3 = Vec3::new(-0.45, -0.6, 1.0);
 const THRESHOLD: (f64, f64) = (-0.1, -0.0003);
 
 /// An environment with its world, finite or endless.
-type Grown = (Entity, Option<&'static GroundTruth>, Option<&'static EndlessTruth>);
+type Grown<'a> = (Entity, Option<&'a GroundTruth>, Option<&'a EndlessTruth>);
 
 /// A filter for environments with another world, or another origin of it.
 type Renewed = Or<(Changed<GroundTruth>, Changed<EndlessTruth>, Changed<SpawnedOrigin>)>;
 
+/// The stages of worlds, by their environments.
+type Stages<'w, 's> = Query<'w, 's, (Entity, &'static ChildOf), With<Stage>>;
+
 /// Spawns the stages of worlds that are new or changed, and of all worlds when the settings change.
 pub(super) fn set_stage(
-    world: &mut World,
+    settings: Res<Visuals3dSettings>,
     mut built_with: Local<Option<Visuals3dSettings>>,
-    environments: &mut QueryState<Grown, With<Environment>>,
-    renewed: &mut QueryState<Entity, Renewed>,
-    stages: &mut QueryState<(Entity, &ChildOf), With<Stage>>,
+    environments: Query<Grown<'_>, With<Environment>>,
+    renewed: Query<(), Renewed>,
+    stages: Stages<'_, '_>,
+    mut commands: Commands,
 ) {
-    if !can_draw(world) {
-        return;
-    }
     // Settings are compared, since a panel that shows them may mark them as changed in every frame.
-    let settings = Visuals3dSettings {
-        sky: false,
-        detail_distance: 0.0,
-        ..*world.resource::<Visuals3dSettings>()
-    };
+    let settings = Visuals3dSettings { sky: false, detail_distance: 0.0, ..*settings };
     let all = built_with.replace(settings) != Some(settings);
     let stages: BTreeMap<Entity, Entity> =
-        stages.iter(world).map(|(stage, parent)| (parent.parent(), stage)).collect();
-    let renewed: Vec<Entity> = renewed.iter(world).collect();
-    let mut plans = Vec::new();
-    for (entity, truth, endless) in environments.iter(world) {
-        let is_known = stages.contains_key(&entity);
-        if truth.is_none() && endless.is_none() {
-            if is_known {
-                plans.push((entity, None));
+        stages.iter().map(|(stage, parent)| (parent.parent(), stage)).collect();
+    for (&environment, &stage) in &stages {
+        let has_world = |(_, truth, endless): Grown<'_>| truth.is_some() || endless.is_some();
+        if !environments.get(environment).is_ok_and(has_world) {
+            commands.entity(stage).try_despawn();
+        }
+    }
+    for (entity, truth, endless) in &environments {
+        let last = stages.get(&entity).copied();
+        let is_due = all || last.is_none() || renewed.contains(entity);
+        if !is_due || (truth.is_none() && endless.is_none()) {
+            continue;
+        }
+        if let Some(last) = last {
+            commands.entity(last).try_despawn();
+        }
+        let truth = truth.map(|truth| truth.0.clone());
+        commands.queue(move |world: &mut World| {
+            // An observer of another stage may have despawned the environment.
+            if world.get_entity(entity).is_ok() {
+                let origin = spawned_origin(world, entity);
+                let stage = world.spawn((Name::new("stage"), Stage, ChildOf(entity))).id();
+                spawn_stage(world, stage, origin, truth.as_deref());
             }
-        } else if all || !is_known || renewed.contains(&entity) {
-            let truth = truth.map(|truth| truth.0.clone());
-            plans.push((entity, Some(truth)));
-        }
-    }
-    let gone = stages.iter().filter(|(parent, _)| world.get::<Environment>(**parent).is_none());
-    let gone: Vec<Entity> = gone.map(|(_, stage)| *stage).collect();
-    for stage in gone {
-        world.despawn(stage);
-    }
-    for (entity, plan) in plans {
-        if let Some(stage) = stages.get(&entity) {
-            world.despawn(*stage);
-        }
-        let Some(truth) = plan else { continue };
-        let origin = spawned_origin(world, entity);
-        let stage = world.spawn((Name::new("stage"), Stage, ChildOf(entity))).id();
-        spawn_stage(world, stage, origin, truth.as_deref());
+        });
     }
 }
 

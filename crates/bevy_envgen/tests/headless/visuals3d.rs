@@ -11,7 +11,9 @@ use bevy_envgen::EnvgenPlugins;
 use bevy_envgen::envgen::WorldKind;
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::prelude::*;
-use bevy_envgen::testing::{spawn_ready, step, test_app_with, truth, wait_until_ready};
+use bevy_envgen::testing::{
+    refuse_ambiguities, spawn_ready, step, test_app_with, truth, wait_until_ready,
+};
 use bevy_envgen::visuals3d::{Figure, Finish, Palette3d, Sky, Stage, Sun, TileMesh};
 
 use crate::{GenerateWorld, specs};
@@ -495,6 +497,22 @@ fn without_plugins_for_meshes_nothing_is_drawn() {
     spawn_ready(&mut app, Environment::new(WorldKind::Indoor.default_spec(), 2)).unwrap();
     step(&mut app, 3);
     assert_eq!(app.world_mut().query::<&Mesh3d>().iter(app.world()).count(), 0);
+}
+
+#[test]
+fn no_two_of_our_systems_are_ambiguous() {
+    let fixed = EnvgenPlugins::default().in_schedule(FixedUpdate);
+    for envgen in [EnvgenPlugins::default(), fixed] {
+        let visuals = EnvgenVisuals3dPlugin::default();
+        let seen = (MeshPlugin, bevy::camera::visibility::VisibilityPlugin);
+        let mut app = test_app_with((seen, envgen, EnvgenDiagnosticsPlugin, visuals));
+        app.init_asset::<StandardMaterial>().init_asset::<Image>();
+        refuse_ambiguities(&mut app);
+        let moving = ScenarioSpec { doors: 0.5, people: 2, smoke: 0.1, ..default() };
+        app.world_mut().spawn((indoor(6), EnvironmentScenario::new(moving, 1)));
+        step(&mut app, 3);
+        assert!(meshes(&mut app) > 0);
+    }
 }
 
 #[test]

@@ -19,3 +19,16 @@ fn no_two_of_our_systems_are_ambiguous() {
         assert!(app.world_mut().query::<&Wall>().iter(app.world()).count() > 0);
     }
 }
+
+#[cfg(feature = "render3d")]
+#[test]
+fn no_two_systems_that_draw_are_ambiguous() {
+    use bevy_mapping_trial::view::TrialViewPlugin;
+    use bevy_mapping_trial::view3d::RobotVisuals3dPlugin;
+
+    let visuals = EnvgenVisuals3dPlugin::default();
+    let views = (visuals, TrialViewPlugin::default(), RobotVisuals3dPlugin);
+    let mut app = test_app_with((EnvgenPlugins::default(), TrialPlugin::default(), views));
+    refuse_ambiguities(&mut app);
+    step(&mut app, 3);
+}
