@@ -3,6 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use bevy::camera::visibility::VisibilitySystems;
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy_envgen::visuals::require_visibility;
@@ -42,9 +43,10 @@ pub struct RobotVisuals3dPlugin;
 
 impl Plugin for RobotVisuals3dPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<RobotPart>().add_observer(draw).add_systems(
+        app.register_type::<RobotPart>().add_observer(draw_inserted).add_systems(
             PostUpdate,
-            remove_clones
+            (draw_present.run_if(run_once), remove_clones)
+                .chain()
                 .before(TransformSystems::Propagate)
                 .before(VisibilitySystems::VisibilityPropagate),
         );
@@ -89,55 +91,80 @@ fn remove_clones(
     }
 }
 
+/// What drawing robots needs.
+#[derive(SystemParam)]
+struct Drawing<'w, 's> {
+    robots: Query<
+        'w,
+        's,
+        (&'static RobotModel, Option<&'static TrialRobot>, Option<&'static Children>),
+    >,
+    parts: Query<'w, 's, (), With<RobotPart>>,
+    palette: Option<Res<'w, TrialPalette>>,
+    meshes: Option<ResMut<'w, Assets<Mesh>>>,
+    materials: Option<ResMut<'w, Assets<StandardMaterial>>>,
+    commands: Commands<'w, 's>,
+}
+
 /// Draws a robot when its model is inserted or replaced.
-fn draw(
-    inserted: On<Insert, RobotModel>,
-    robots: Query<(&RobotModel, Option<&TrialRobot>, Option<&Children>)>,
-    parts: Query<(), With<RobotPart>>,
-    palette: Option<Res<TrialPalette>>,
-    meshes: Option<ResMut<Assets<Mesh>>>,
-    materials: Option<ResMut<Assets<StandardMaterial>>>,
-    mut commands: Commands,
+fn draw_inserted(inserted: On<Insert, RobotModel>, mut drawing: Drawing<'_, '_>) {
+    drawing.draw(inserted.entity);
+}
+
+/// Draws the robots that an app spawned before it added the plugin.
+fn draw_present(
+    robots: Query<Entity, (With<RobotModel>, Without<DrawnParts>)>,
+    mut drawing: Drawing<'_, '_>,
 ) {
-    let (Some(mut meshes), Some(mut materials)) = (meshes, materials) else { return };
-    let Ok((model, number, children)) = robots.get(inserted.entity) else { return };
-    for &child in children.into_iter().flatten().filter(|child| parts.contains(**child)) {
-        commands.entity(child).try_despawn();
+    for robot in &robots {
+        drawing.draw(robot);
     }
-    if model.validate().is_err() {
-        return;
-    }
-    let palette = palette.map(|palette| palette.clone()).unwrap_or_default();
-    let color = palette.robot(number.map_or(0, |robot| robot.index));
-    let mut paint = |color: Color| {
-        materials.add(StandardMaterial {
-            base_color: color,
-            perceptual_roughness: 0.6,
-            ..default()
-        })
-    };
-    let (body, dark) = (paint(color), paint(Color::srgb_u8(0x20, 0x22, 0x26)));
-    let parts = bodies(model).into_iter().map(|(part, mesh, at)| {
-        let material = if part == RobotPart::Body { &body } else { &dark };
-        let mesh = (Mesh3d(meshes.add(mesh)), MeshMaterial3d(material.clone()));
-        (Name::new(format!("{part:?}")), part, mesh, at)
-    });
-    let (robot, parts): (_, Vec<_>) = (inserted.entity, parts.collect());
-    commands.queue(move |world: &mut World| {
-        if let Ok(mut robot) = world.get_entity_mut(robot) {
-            robot.insert_if_new(Visibility::default());
+}
+
+impl Drawing<'_, '_> {
+    fn draw(&mut self, robot: Entity) {
+        let (Some(meshes), Some(materials)) = (&mut self.meshes, &mut self.materials) else {
+            return;
+        };
+        let Ok((model, number, children)) = self.robots.get(robot) else { return };
+        for &child in children.into_iter().flatten().filter(|child| self.parts.contains(**child)) {
+            self.commands.entity(child).try_despawn();
         }
-        let mut drawn = Vec::new();
-        for part in parts {
-            // Another observer may have despawned the robot.
-            if world.get_entity(robot).is_ok() {
-                drawn.push(world.spawn((part, ChildOf(robot))).id());
+        if model.validate().is_err() {
+            return;
+        }
+        let palette = self.palette.as_deref().cloned().unwrap_or_default();
+        let color = palette.robot(number.map_or(0, |robot| robot.index));
+        let mut paint = |color: Color| {
+            materials.add(StandardMaterial {
+                base_color: color,
+                perceptual_roughness: 0.6,
+                ..default()
+            })
+        };
+        let (body, dark) = (paint(color), paint(Color::srgb_u8(0x20, 0x22, 0x26)));
+        let parts = bodies(model).into_iter().map(|(part, mesh, at)| {
+            let material = if part == RobotPart::Body { &body } else { &dark };
+            let mesh = (Mesh3d(meshes.add(mesh)), MeshMaterial3d(material.clone()));
+            (Name::new(format!("{part:?}")), part, mesh, at)
+        });
+        let parts: Vec<_> = parts.collect();
+        self.commands.queue(move |world: &mut World| {
+            if let Ok(mut robot) = world.get_entity_mut(robot) {
+                robot.insert_if_new(Visibility::default());
             }
-        }
-        if let Ok(mut robot) = world.get_entity_mut(robot) {
-            robot.insert(DrawnParts(drawn));
-        }
-    });
+            let mut drawn = Vec::new();
+            for part in parts {
+                // Another observer may have despawned the robot.
+                if world.get_entity(robot).is_ok() {
+                    drawn.push(world.spawn((part, ChildOf(robot))).id());
+                }
+            }
+            if let Ok(mut robot) = world.get_entity_mut(robot) {
+                robot.insert(DrawnParts(drawn));
+            }
+        });
+    }
 }
 
 /// Returns the bodies of a robot on the floor, with its centre at the origin and its heading along x.
@@ -206,6 +233,21 @@ mod tests {
         for robot in [robot, clone] {
             assert_eq!(app.world().get::<Children>(robot).unwrap().len(), parts);
         }
+    }
+
+    #[test]
+    fn robots_from_before_the_plugin_are_drawn_once() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default()));
+        app.init_asset::<Mesh>().init_asset::<StandardMaterial>();
+        let early = app.world_mut().spawn(RobotModel::default()).id();
+        app.add_plugins(RobotVisuals3dPlugin);
+        let late = app.world_mut().spawn(RobotModel::default()).id();
+        app.update();
+        app.update();
+        let [early, late] =
+            [early, late].map(|robot| app.world().get::<Children>(robot).expect("its parts").len());
+        assert!(late > 0 && early == late, "{early} {late}");
     }
 
     #[test]
