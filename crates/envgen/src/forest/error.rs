@@ -14,7 +14,8 @@ pub enum ForestError {
     /// The drawn number of trees does not fit into the area at the least distance.
     #[error(
         "`min_distance` must be less, got {distance} m: {trees} trees were drawn and the area \
-         holds at most {capacity} at this distance"
+         holds at most {} at this distance",
+        capacity.floor()
     )]
     Capacity {
         /// Number of trees drawn.

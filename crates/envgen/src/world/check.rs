@@ -29,7 +29,7 @@ const MOST_TURNING: f64 = 1e3;
 #[non_exhaustive]
 pub enum Violation {
     /// The bounds are not finite, or they are empty.
-    #[error("the bounds {0:?} are not a finite rectangle")]
+    #[error("the bounds from {} to {} are not a finite rectangle", .0.min, .0.max)]
     Bounds(Rect),
     /// A coordinate or length exceeds the limits of worlds.
     #[error("`{field}` must be from -{MAX_COORDINATE:e} to {MAX_COORDINATE:e} m, got {value:e} m")]
