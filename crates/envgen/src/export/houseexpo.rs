@@ -96,6 +96,7 @@ pub(super) fn write(
 
 /// Adds the cells at the border of a region that only lines without thickness occupy, and whose middle is on the
 /// region's side of these lines. Without them, an outline that is read and written again would lose a cell on each side.
+/// Of a line with the region on both sides, cells on one side are kept out.
 fn add_cells_beside_lines(world: &World, grid: &OccupancyGrid, region: &mut [bool]) {
     let frame = grid.frame();
     let is_line = |shape: &Shape| matches!(shape, Shape::Segment { .. });
@@ -116,16 +117,17 @@ fn add_cells_beside_lines(world: &World, grid: &OccupancyGrid, region: &mut [boo
     let rays = Raycaster::new(world);
     // A line through the middle of a cell keeps it out, also where rounding moves the line.
     let reach = frame.cell_size * (1.0 + 1e-9);
+    let sees = |cell: usize, beside: usize| {
+        let [from, to] = [cell, beside].map(|cell| frame.cell(cell));
+        let along = DVec2::new(to.0 as f64 - from.0 as f64, to.1 as f64 - from.1 as f64);
+        rays.cast_along(frame.center_of(cell), along, reach).is_none()
+    };
     let is_beside = |&cell: &usize| region[cell] && frame.neighbours(cell).any(|i| at_border[i]);
     let mut reached: Vec<usize> = (0..region.len()).filter(is_beside).collect();
     while let Some(cell) = reached.pop() {
         for beside in frame.neighbours(cell) {
-            if !at_border[beside] {
-                continue;
-            }
-            let [from, to] = [cell, beside].map(|cell| frame.cell(cell));
-            let along = DVec2::new(to.0 as f64 - from.0 as f64, to.1 as f64 - from.1 as f64);
-            if rays.cast_along(frame.center_of(cell), along, reach).is_none() {
+            let mut joined = frame.neighbours(beside).filter(|&other| region[other]);
+            if at_border[beside] && joined.all(|other| sees(other, beside)) {
                 at_border[beside] = false;
                 region[beside] = true;
                 reached.push(beside);

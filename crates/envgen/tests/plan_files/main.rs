@@ -433,6 +433,21 @@ fn outlines_of_houses_keep_their_size() {
 }
 
 #[test]
+fn lines_with_ground_on_both_sides_stay_in_outlines_of_houses() {
+    // Between cells, and inside of them.
+    for x in [3.0, 3.02] {
+        let verts = [[0., 0.], [x, 0.], [x, 4.], [x, 0.], [6., 0.], [6., 6.], [0., 6.]];
+        let house = serde_json::json!({ "verts": verts }).to_string();
+        let text = written(&read_houseexpo(&mut house.as_bytes()).unwrap(), "a.house.json");
+        let again = read_houseexpo(&mut text.as_bytes()).unwrap();
+        for y in [0.5, 2.0, 3.8] {
+            let clearance = again.clearance(DVec2::new(x, y));
+            assert!(clearance <= 0.05 + 1e-9, "{clearance} m from the wall at {x}: {text}");
+        }
+    }
+}
+
+#[test]
 fn houses_whose_goal_is_outside_of_the_outline_come_back() {
     // The ground of the start ends at x = 2 m.
     let mut world = small();
