@@ -57,8 +57,8 @@ pub fn find_renderer() -> Result<String, CaptureError> {
 /// Returns the width and the height that a camera shows for an area.
 fn with_margin(area: Rect) -> Result<Vec2, CaptureError> {
     let size = area.size() * (1.0 + 2.0 * MARGIN);
-    if area.min.is_finite() && area.max.is_finite() && size.is_finite() && size.min_element() >= 0.0
-    {
+    let corners = [area.min, area.max, area.min + area.max, size];
+    if corners.iter().all(|corner| corner.is_finite()) && size.min_element() >= 0.0 {
         return Ok(size.max(Vec2::splat(1e-3)));
     }
     Err(CaptureError::Area { found: area })

@@ -104,7 +104,10 @@ pub(super) fn set_stage(
             if world.get_entity(entity).is_ok() {
                 let origin = spawned_origin(world, entity);
                 let stage = world.spawn((Name::new("stage"), Stage, ChildOf(entity))).id();
-                spawn_stage(world, stage, origin, truth.as_deref());
+                // So may one of this stage.
+                if world.get_entity(stage).is_ok() {
+                    spawn_stage(world, stage, origin, truth.as_deref());
+                }
             }
         });
     }

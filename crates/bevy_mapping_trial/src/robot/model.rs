@@ -72,7 +72,7 @@ pub struct Chassis {
 impl Chassis {
     /// Returns an error if a field has a value with which no robot can drive.
     pub(super) fn check(&self) -> Result<(), SpecError> {
-        if !(self.mass > 0.0 && self.mass.is_normal()) {
+        if !(self.mass > 0.0 && self.mass.is_finite()) {
             let error = SpecError::new("mass", self.mass, "a finite number above 0");
             return Err(error.within("Chassis"));
         }
@@ -420,8 +420,11 @@ fn strip(robot: &mut EntityCommands<'_>, fitted: Fitted) {
     if fitted.body {
         robot.try_remove::<RigidBody>();
     }
-    if fitted.velocity {
+    if fitted.velocity && fitted.body {
         robot.try_remove::<Velocity>();
+    } else if fitted.velocity {
+        // Rapier keeps the velocity of a body from which the component is removed.
+        robot.try_insert(Velocity::default());
     }
     if fitted.friction {
         robot.try_remove::<Friction>();

@@ -12,11 +12,11 @@ type Parent = Or<(With<Environment>, With<MappingTrial>)>;
 /// do not hold the trial of these robots.
 pub(super) fn dismiss(
     added: Query<(Entity, &ChildOf), Added<TrialRobot>>,
-    environments: Query<Option<&MappingTrial>, Parent>,
+    parents: Query<Option<&MappingTrial>, Parent>,
     mut commands: Commands,
 ) {
     for (robot, below) in &added {
-        let Ok(trial) = environments.get(below.parent()) else { continue };
+        let Ok(trial) = parents.get(below.parent()) else { continue };
         if !trial.is_some_and(|trial| trial.robots().contains(&robot)) {
             commands.entity(robot).try_despawn();
         }

@@ -62,7 +62,7 @@ pub(super) fn begin(
             State::Failed { place: known, suited, has_scenario_failed: had_failed } => {
                 known.is(&place)
                     && (*suited || suits.is_err())
-                    && *had_failed == has_scenario_failed
+                    && (!*had_failed || has_scenario_failed)
             }
             State::Over(run) => run.place.is(&place),
             State::Warming(run) | State::Running(run) => {
@@ -129,7 +129,12 @@ pub(super) fn refuse_places(
         let error = match (has_environment, is_endless) {
             (false, _) => MappingTrialError::NoEnvironment,
             (true, true) => MappingTrialError::Endless,
-            (true, false) => continue,
+            (true, false) => {
+                if matches!(trial.state, State::Nowhere(_)) {
+                    trial.state = State::Waiting;
+                }
+                continue;
+            }
         };
         let is_known = match &trial.state {
             State::Waiting => false,
