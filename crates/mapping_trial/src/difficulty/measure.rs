@@ -73,7 +73,7 @@ pub enum MeasureError {
 }
 
 impl MeasureError {
-    fn under(condition: &Condition, failure: Failure) -> Self {
+    fn of_condition(condition: &Condition, failure: Failure) -> Self {
         let condition = condition.name.clone();
         match failure {
             Failure::World(reason) => MeasureError::Trial { condition, reason },
@@ -147,8 +147,8 @@ impl<'a> Measuring<'a> {
         Measuring { site: Site::new(world.clone(), source), panel, noise, scores }
     }
 
-    /// Checks that a trial can start under every condition of the panel, which starts its driver for a moment.
-    /// This takes much less time than a trial.
+    /// Checks that a trial can start under every condition of the panel, which takes much less time than a
+    /// trial. A driver is started, and gets the hello and the last line, but no observation.
     ///
     /// # Errors
     ///
@@ -157,7 +157,7 @@ impl<'a> Measuring<'a> {
         let mut conditions = self.panel.conditions.iter();
         conditions.try_for_each(|condition| {
             let checked = self.site.check(condition, self.noise);
-            checked.map_err(|failure| MeasureError::under(condition, failure))
+            checked.map_err(|failure| MeasureError::of_condition(condition, failure))
         })
     }
 
@@ -179,7 +179,7 @@ impl<'a> Measuring<'a> {
             let count = self.panel.conditions.len() * self.scores[condition].len() + condition;
             let noise = self.noise.offset(count as u64);
             let outcome = self.site.run(own, noise);
-            let outcome = outcome.map_err(|failure| MeasureError::under(own, failure))?;
+            let outcome = outcome.map_err(|failure| MeasureError::of_condition(own, failure))?;
             let is_explored = outcome.end == Some(EndReason::Explored);
             let coverage = outcome.scores.coverage;
             Ok((condition, Scored { dials: scores(&outcome.scores), is_explored, coverage }))

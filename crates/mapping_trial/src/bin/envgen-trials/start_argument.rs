@@ -13,6 +13,6 @@ pub(crate) fn start(text: &str) -> Result<Pose, String> {
     if [x, y, degrees].iter().all(|number| number.is_finite()) {
         Ok(Pose::new(x, y, degrees.to_radians()))
     } else {
-        Err("not of the form x,y,heading with numbers in metres and degrees".to_owned())
+        Err("not of the form x,y or x,y,heading with numbers in metres and degrees".to_owned())
     }
 }

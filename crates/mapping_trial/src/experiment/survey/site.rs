@@ -68,7 +68,13 @@ impl Site {
 
     /// Prepares a trial under a condition, with its driver if there is one, and returns why it cannot run.
     pub(crate) fn check(&self, condition: &Condition, noise: Seed) -> Result<(), Failure> {
-        self.prepare(condition, noise).map(drop)
+        match self.prepare(condition, noise)?.driver {
+            Some(driver) => {
+                driver.end(None);
+                driver.failure().map_or(Ok(()), |reason| Err(Failure::driver(reason)))
+            }
+            None => Ok(()),
+        }
     }
 
     fn prepare(&self, condition: &Condition, noise: Seed) -> Result<Prepared, Failure> {
