@@ -274,7 +274,11 @@ pub(super) fn crosses_west_east(forest: &Forest) -> bool {
             sets.join(i, north);
         }
         grid.visit(tree.center, |j, offset| {
-            let reach = grown + trees[j as usize].radius + rho;
+            let other = &trees[j as usize];
+            // Rounded in the same order for every order of the trees.
+            let [first, last] =
+                if tree.number < other.number { [tree, other] } else { [other, tree] };
+            let reach = last.radius + rho + first.radius + rho;
             if (j as usize) < i && offset.length_squared() < reach * reach {
                 sets.join(i, j as usize);
             }

@@ -46,7 +46,8 @@ pub(crate) struct Crowd {
     pub(super) taken: Vec<u32>,
     /// The tick until which each person needs no decision; see the module `quiet`.
     pub(super) quiet_until: Vec<u64>,
-    /// The tick until which each person walks straight on without a decision, unless somebody disturbs the person.
+    /// The tick until which each person walks straight on without a decision, unless somebody disturbs the person. It
+    /// is that of `quiet_until` for everyone who is quiet and moves.
     pub(super) cruises_until: Vec<u64>,
     /// For each person, whether the person can come near a door before the lists of neighbours are rebuilt.
     comes_near_doors: Vec<bool>,
