@@ -6,6 +6,9 @@ use crate::geometry::Shape;
 use crate::pieces::LINE_THICKNESS;
 use crate::world::Extent;
 
+/// The least length of a box that stands for a line, in metres.
+const SHORTEST_LINE: f64 = 1e-30;
+
 /// A prism in the form of a simulator's body.
 pub(super) enum Body<'a> {
     /// A box, rotated about the vertical axis.
@@ -38,8 +41,8 @@ impl<'a> Body<'a> {
             },
             Shape::Segment { a, b } => {
                 let along = *b - *a;
-                // Squares of lengths under 1e-160 m vanish, and simulators refuse a box without length.
-                let length = along.length().max(f64::MIN_POSITIVE);
+                // Simulators refuse a box without length, and some read numbers of 32 bits.
+                let length = along.length().max(SHORTEST_LINE);
                 Body::Box {
                     center: (0.5 * (*a + *b)).extend(middle),
                     size: DVec3::new(length, LINE_THICKNESS, extent.height()),
