@@ -186,11 +186,20 @@ fn a_trial_without_an_environment_is_reported_until_there_is_one() {
     listen(&mut app);
     let root = app.world_mut().spawn(MappingTrial::new(short(60.0))).id();
     step(&mut app, 20);
-    assert_eq!(reported(&app), ["a trial needs the component `Environment` on its entity"]);
+    let missing = "a trial needs the component `Environment` on its entity";
+    assert_eq!(reported(&app), [missing]);
     assert!(trial(&app, root).has_failed());
-    app.world_mut().entity_mut(root).insert(environment());
+    // While an environment is tilted, it has no world, and the trial waits.
+    let tilted = Transform::from_rotation(Quat::from_rotation_x(0.5));
+    app.world_mut().entity_mut(root).insert((environment(), tilted));
     step(&mut app, 20);
-    assert_eq!(reported(&app)[1..], ["started"]);
+    assert!(!trial(&app, root).has_failed());
+    app.world_mut().entity_mut(root).remove::<Environment>();
+    step(&mut app, 20);
+    assert_eq!(reported(&app), [missing, missing]);
+    app.world_mut().entity_mut(root).insert((environment(), Transform::default()));
+    step(&mut app, 20);
+    assert_eq!(reported(&app)[2..], ["started"]);
     assert!(!trial(&app, root).has_failed());
 }
 
