@@ -6,7 +6,7 @@ use crate::geometry::Shape;
 use crate::pieces::LINE_THICKNESS;
 use crate::world::Extent;
 
-/// The least length of a box that stands for a line, in metres.
+/// The least length of the box of a line, in metres.
 const SHORTEST_LINE: f64 = 1e-30;
 
 /// A prism in the form of a simulator's body.
