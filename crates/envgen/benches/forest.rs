@@ -14,6 +14,7 @@ fn main() {
     spaced();
     brute_force();
     endless();
+    metrics();
 }
 
 /// A square forest of `trees` trees whose intensity x distance^2 is `filling`; 1 m apart.
@@ -122,4 +123,14 @@ fn endless() {
     };
     let times = contest(|| spaced.window(window), tiles);
     at_most("a window of an endless spaced forest, against its tiles one by one", times, 0.7);
+}
+
+/// Neighbours that lie far apart in memory would make a tree of a large forest cost more.
+fn metrics() {
+    let forest =
+        |trees: f64| ForestSpec { min_distance: 0.0, ..spec(trees, 0.5) }.generate(Seed(1));
+    let (Ok(small), Ok(large)) = (forest(1e4), forest(1e6)) else { return };
+    let hundred_small = || (0..100).map(|_| small.metrics().count).sum::<u64>();
+    let times = rounds(5, || large.metrics().count, hundred_small);
+    at_most("metrics of a tree of 1e6, against one of 1e4", times, 3.0);
 }
