@@ -46,9 +46,6 @@ pub(crate) struct Crowd {
     pub(super) taken: Vec<u32>,
     /// The tick until which each person needs no decision; see the module `quiet`.
     pub(super) quiet_until: Vec<u64>,
-    /// The tick until which each person walks straight on without a decision, unless somebody disturbs the person. It
-    /// is that of `quiet_until` for everyone who is quiet and moves.
-    pub(super) cruises_until: Vec<u64>,
     /// For each person, whether the person can come near a door before the lists of neighbours are rebuilt.
     comes_near_doors: Vec<bool>,
     pub(super) sights: Sights,
@@ -91,7 +88,7 @@ impl Crowd {
         };
         let people: Vec<PersonState> = (0_u64..).zip(people).map(state).collect();
         let wishes = vec![Wish::STAND; people.len()];
-        let [quiet_until, cruises_until] = [(); 2].map(|()| vec![0; people.len()]);
+        let quiet_until = vec![0; people.len()];
         let taken = vec![0; places];
         let comes_near_doors = vec![true; people.len()];
         let planes = Vec::new();
@@ -100,7 +97,6 @@ impl Crowd {
             near,
             taken,
             quiet_until,
-            cruises_until,
             comes_near_doors,
             sights: Sights::default(),
             wishes,
@@ -141,10 +137,10 @@ impl Crowd {
                 self.wishes[i] = self.wish(i, around);
             }
         }
-        let is_awake_or_cruises =
-            |(&quiet, &cruises): (&u64, &u64)| (quiet <= around.tick) | (cruises > around.tick);
-        let until = self.quiet_until.iter().zip(&self.cruises_until);
-        select(&mut awake, until.map(is_awake_or_cruises));
+        let is_awake_or_moves = |(&until, person): (&u64, &PersonState)| {
+            (until <= around.tick) | (person.velocity != DVec2::ZERO)
+        };
+        select(&mut awake, self.quiet_until.iter().zip(&self.people).map(is_awake_or_moves));
         for &i in &awake {
             let i = i as usize;
             if self.is_quiet(i, around.tick) {

@@ -54,7 +54,6 @@ impl Crowd {
         let ticks = self.ticks_straight_on(i, around);
         if ticks > 0 {
             self.quiet_until[i] = around.tick + ticks;
-            self.cruises_until[i] = around.tick + ticks;
             self.people[i].aside = None;
         }
         ticks > 0

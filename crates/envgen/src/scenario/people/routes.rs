@@ -44,37 +44,9 @@ struct Tree {
     cols: usize,
     rows: usize,
     steps: Vec<u8>,
-    corners: Mutex<Corners>,
-}
-
-/// The corners of the paths to a place so far. All paths share them; only the part before its first corner is new in
-/// each path.
-#[derive(Debug, Default)]
-struct Corners {
-    all: Vec<Corner>,
-    /// The number in `all` of each cell of the window that is a corner.
-    numbers: BTreeMap<usize, u32>,
-}
-
-/// A corner of paths to a place.
-#[derive(Clone, Copy, Debug)]
-struct Corner {
-    center: DVec2,
-    /// The cell of the window.
-    cell: u32,
-    /// The number of the next corner if it is known; at the place, that of the place itself.
-    next: Option<u32>,
-}
-
-impl Corners {
-    /// Returns the number of the corner at a cell of a window.
-    fn number(&mut self, cell: usize, center: impl FnOnce() -> DVec2) -> u32 {
-        let all = &mut self.all;
-        *self.numbers.entry(cell).or_insert_with(|| {
-            all.push(Corner { center: center(), cell: cell as u32, next: None });
-            all.len() as u32 - 1
-        })
-    }
+    /// For each cell of the window that is a corner of a path so far, the next corner after it. All paths share
+    /// these corners; only the part before its first corner is new in each path.
+    corners: Mutex<BTreeMap<usize, usize>>,
 }
 
 impl Routes {
@@ -109,26 +81,29 @@ impl Routes {
         let is_at_middle = space.frame.center_of(here).distance_squared(from) < ROUNDING * ROUNDING;
         let mut path = Vec::new();
         // Most who depart are at a place, which is the middle of a cell, and so a corner.
-        let first = if is_at_middle && tree.is_reached(space, here) {
+        let mut corner = if is_at_middle && tree.is_reached(space, here) {
             tree.index(space, here)?
         } else {
-            let entry = self.entry(space, tree, from)?;
+            let first = self.entry(space, tree, from)?;
             if space.is_clear_from(from, goal) {
                 return Some(vec![goal]);
             }
-            let first = tree.farthest_seen(space, from, vec![tree.index(space, entry)?])?;
-            path.push(tree.center(space, first));
-            first
+            let corner = tree.farthest_seen(space, from, vec![tree.index(space, first)?])?;
+            path.push(tree.center(space, corner));
+            corner
         };
-        let mut corners = tree.corners.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut corner = corners.number(first, || tree.center(space, first));
-        loop {
-            let next = tree.next_corner(space, &mut corners, corner)?;
-            if next == corner {
-                break;
-            }
-            corner = next;
-            path.push(corners.all[corner as usize].center);
+        let mut known = tree.corners.lock().unwrap_or_else(PoisonError::into_inner);
+        while let Some(next) = tree.next(corner)? {
+            corner = match known.get(&corner) {
+                Some(&seen) => seen,
+                None => {
+                    let cells = tree.straight_on(corner, next);
+                    let seen = tree.farthest_seen(space, tree.center(space, corner), cells)?;
+                    known.insert(corner, seen);
+                    seen
+                }
+            };
+            path.push(tree.center(space, corner));
         }
         path.reverse();
         Some(if path.is_empty() { vec![goal] } else { path })
@@ -180,8 +155,7 @@ impl Routes {
 impl Tree {
     /// Creates a window in which no cell is reached yet.
     fn of(corner: (usize, usize), (cols, rows): (usize, usize)) -> Self {
-        let steps = vec![UNREACHED; cols * rows];
-        Tree { corner, cols, rows, steps, corners: Mutex::default() }
+        Tree { corner, cols, rows, steps: vec![UNREACHED; cols * rows], corners: Mutex::default() }
     }
 
     /// Runs Dijkstra's search from a place, with a circle of buckets for the small integer costs (R. B. Dial,
@@ -275,24 +249,6 @@ impl Tree {
                 i.checked_add_signed(up * self.cols as isize + right).map(Some)
             }
         }
-    }
-
-    /// Returns the number of the next corner after a corner; that of the place itself at the place.
-    fn next_corner(&self, space: &FreeSpace, corners: &mut Corners, number: u32) -> Option<u32> {
-        let Corner { center, cell, next } = corners.all[number as usize];
-        if next.is_some() {
-            return next;
-        }
-        let cell = cell as usize;
-        let next = match self.next(cell)? {
-            Some(next) => {
-                let seen = self.farthest_seen(space, center, self.straight_on(cell, next))?;
-                corners.number(seen, || self.center(space, seen))
-            }
-            None => number,
-        };
-        corners.all[number as usize].next = Some(next);
-        Some(next)
     }
 
     /// Returns the cells of the window on the path after a cell that lie straight ahead of it, and therefore in its
