@@ -535,6 +535,23 @@ fn a_robot_whose_model_is_removed_keeps_only_what_is_its_own() {
 }
 
 #[test]
+fn a_body_of_ones_own_stops_when_the_model_is_removed() {
+    let mut app = app(room(10.0, 10.0));
+    let own = (RigidBody::Dynamic, Collider::ball(0.3), Transform::from_xyz(5.0, 5.0, 0.0));
+    let odometry = WheelOdometry::new(OdometryProfile::EXACT, 1, 0);
+    let robot = app.world_mut().spawn((own, RobotModel::default(), odometry)).id();
+    drive(&mut app, robot, 0.5, 0.0, 1.0);
+    let place = |app: &App| app.world().get::<Transform>(robot).unwrap().translation;
+    assert!(place(&app).x > 5.2, "{}", place(&app));
+    app.world_mut().entity_mut(robot).remove::<RobotModel>();
+    step(&mut app, 2);
+    let before = place(&app);
+    step(&mut app, 64);
+    assert!(app.world().entity(robot).contains::<RigidBody>());
+    assert!(place(&app).distance(before) < 1e-3, "{before} to {}", place(&app));
+}
+
+#[test]
 fn a_robot_whose_chassis_is_not_allowed_does_not_move_until_it_is_corrected() {
     let normal = Chassis::default();
     for chassis in [
