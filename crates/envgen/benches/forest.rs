@@ -6,7 +6,7 @@ use bench_ratio::{Times, at_most, contest, faster, growth, rounds, seconds};
 use envgen::forest::{EndlessForest, ForestSpec};
 use envgen::geometry::Rect;
 use envgen::glam::DVec2;
-use envgen::{Seed, Spec};
+use envgen::{Blueprint, Seed, Spec};
 use fast_poisson::Poisson2D;
 
 fn main() {
