@@ -199,8 +199,7 @@ fn by_place(spec: &ForestSpec, trees: &[Tree]) -> Vec<Placed> {
     /// Mean number of trees along a cell's side.
     const TREES: f64 = 4.0;
     let (area, size) = (spec.area(), spec.area().size());
-    let side =
-        (TREES * (size.x * size.y / trees.len() as f64).sqrt()).max(size.max_element() / 1e6);
+    let side = TREES * (size.x * size.y / trees.len() as f64).sqrt();
     let cell = |tree: &Tree| {
         let cell = (tree.center - area.min) / side;
         (cell.y as u32, cell.x as u32)
