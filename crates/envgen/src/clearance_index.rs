@@ -109,37 +109,55 @@ impl Hull {
     }
 }
 
-/// A line, and the distance from it beyond which a hull is clear of it.
+/// A line, and the distance that shapes have to keep from it.
 struct Surrounded {
+    ends: [DVec2; 2],
     middle: DVec2,
-    /// Half the sides of the bounding box of all points within that distance of the line.
+    /// Half the sides of the line's bounding box.
     half_size: DVec2,
     /// A vector across the line, as long as the line.
     normal: DVec2,
-    /// The distance times the length of the line.
-    breadth: f64,
+    length: f64,
+    /// The distance, and distances that are greater and less than it by the rounding error.
+    distance: f64,
+    most: f64,
+    least: f64,
 }
 
 impl Surrounded {
     fn new(from: DVec2, to: DVec2, distance: f64) -> Self {
         let along = to - from;
-        let distance = distance + ROUNDING;
         Surrounded {
+            ends: [from, to],
             middle: from.midpoint(to),
-            half_size: 0.5 * along.abs() + distance,
+            half_size: 0.5 * along.abs(),
             normal: along.perp(),
-            breadth: distance * along.length(),
+            length: along.length(),
+            distance,
+            most: distance + ROUNDING,
+            least: (distance - ROUNDING).max(0.0),
         }
     }
 
-    /// Whether a cheap test shows that a hull is clear of the line: along one of the axes, or across the line. A
-    /// hull that fails the test can be clear, too.
+    /// Whether a shape keeps the distance.
     #[inline]
-    fn is_off(&self, hull: &Hull) -> bool {
+    fn is_clear_of(&self, hull: &Hull, shape: &Shape) -> bool {
+        // The gaps along the axes, and that across the line times its length.
         let to = hull.center - self.middle;
         let gap = to.abs() - hull.half_size - self.half_size;
         let across = to.dot(self.normal).abs() - hull.half_size.dot(self.normal.abs());
-        (gap.x > 0.0) | (gap.y > 0.0) | (across > self.breadth)
+        if (gap.x > self.most) | (gap.y > self.most) | (across > self.most * self.length) {
+            return true;
+        }
+        let crosses = (gap.x <= 0.0) & (gap.y <= 0.0) & (across <= 0.0);
+        let [from, to] = self.ends;
+        if hull.is_shape && self.least > 0.0 {
+            let is_near = |end| hull.distance_squared(end) < self.least * self.least;
+            if crosses || is_near(from) || is_near(to) {
+                return false;
+            }
+        }
+        shape.distance_from_segment(from, to) >= self.distance
     }
 }
 
@@ -292,13 +310,13 @@ impl ClearanceIndex {
     /// Whether every solid part is at least `distance` metres, which must be less than the reach, from the line
     /// from `a` to `b`. The answer is exact and takes the time of one query per metre.
     pub(crate) fn is_clear_along(&self, a: DVec2, b: DVec2, distance: f64) -> bool {
-        // A cell lists what is within reach of a point in it, and so of the line as far as that from the point.
-        split_segment(a, b, (self.reach - distance).min(MAX_PIECE)).all(|(from, to)| {
+        // A cell lists what is within reach of a point in it: everything near a line of twice the rest of the reach
+        // around the point.
+        split_segment(a, b, (2.0 * (self.reach - distance)).min(MAX_PIECE)).all(|(from, to)| {
             let line = Surrounded::new(from, to, distance);
-            self.index.at(line.middle).iter().all(|&i| {
-                line.is_off(&self.hulls[i as usize])
-                    || self.shapes[i as usize].1.distance_from_segment(from, to) >= distance
-            })
+            let near = self.index.at(line.middle);
+            near.iter()
+                .all(|&i| line.is_clear_of(&self.hulls[i as usize], &self.shapes[i as usize].1))
         })
     }
 

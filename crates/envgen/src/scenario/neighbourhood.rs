@@ -33,8 +33,8 @@ pub(crate) struct Neighbourhood {
     drift: f64,
     starts: Vec<u32>,
     ids: Vec<u32>,
-    /// The positions of `ids`.
-    placed: Vec<DVec2>,
+    /// The same with the positions of the people.
+    placed: Vec<(u32, DVec2)>,
     /// The positions of all people when the lists were built.
     positions: Vec<DVec2>,
     in_range: Lists,
@@ -164,7 +164,7 @@ impl Neighbourhood {
         });
         let Neighbourhood { frame, starts, ids, placed, positions, in_range, in_touch, .. } = self;
         placed.clear();
-        placed.extend(ids.iter().map(|&i| positions[i as usize]));
+        placed.extend(ids.iter().map(|&i| (i, positions[i as usize])));
         let (pairs, touching) = (&mut in_range.pairs, &mut in_touch.pairs);
         touching.clear();
         let mut count = 0;
@@ -185,14 +185,15 @@ impl Neighbourhood {
                     }
                     false => 0..0,
                 };
+                let most = count + own.len() * (beside - own.start + above.len());
+                if pairs.len() < most {
+                    pairs.resize(2 * most, [0; 2]);
+                }
                 for k in own {
-                    let (i, p) = (ids[k], placed[k]);
+                    let (i, p) = placed[k];
                     for run in [k + 1..beside, above.clone()] {
-                        if pairs.len() < count + run.len() {
-                            pairs.resize(2 * (count + run.len()), [0; 2]);
-                        }
-                        for (&j, q) in ids[run.clone()].iter().zip(&placed[run]) {
-                            let distance2 = p.distance_squared(*q);
+                        for &(j, q) in &placed[run] {
+                            let distance2 = p.distance_squared(q);
                             // Without a branch, which would be hard to predict.
                             pairs[count] = [i, j];
                             count += usize::from(distance2 <= range2);

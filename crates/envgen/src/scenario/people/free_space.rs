@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::clearance_index::ClearanceIndex;
 use crate::error::SpecError;
 use crate::geometry::{distance_between_segments, distance_to_segment, split_segment};
-use crate::grid::{CellBuckets, GridFrame};
+use crate::grid::{GridFrame, SparseBuckets};
 use crate::scenario::doors::{DoorShape, Leaf};
 use crate::scenario::person::PERSON_RADIUS;
 use crate::scenario::spec::ScenarioSpec;
@@ -16,6 +16,10 @@ use crate::world::World;
 
 /// The greatest distance in metres up to which clearances and contacts are known.
 pub(in crate::scenario) const REACH: f64 = 2.0;
+
+/// The distance in metres up to which solids matter to a person, or to a line of the length [`PIECE`] that a person
+/// walks, from its middle.
+const CLOSE: f64 = 0.5 * PIECE + PERSON_RADIUS + 2.0 * CARE;
 
 /// Side of a cell in metres, unless the world is too large for it.
 const CELL: f64 = 0.2;
@@ -50,6 +54,18 @@ pub(super) const NEIGHBOURS: [(isize, isize); 8] =
 /// Costs of a step to the side and of a diagonal step; their ratio is nearly that of 1 to the square root of 2.
 pub(super) const COSTS: [u32; 2] = [5, 7];
 
+/// The number of cells of an index per shape, and the most cells in which a shape is listed, on average. Queries of
+/// people are many.
+const INDEX: (f64, usize) = (8.0, 96);
+
+/// Returns an index of the solids of a world for queries of people.
+pub(in crate::scenario) fn index_solids(
+    world: &World,
+    reach: f64,
+) -> Result<ClearanceIndex, SpecError> {
+    ClearanceIndex::with_density(world, reach, INDEX.0, INDEX.1)
+}
+
 /// The free space of a disc of a person's radius.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeSpace {
@@ -59,16 +75,22 @@ pub(crate) struct FreeSpace {
     /// Clearance at the centre of each cell, at most [`REACH`].
     clearances: Vec<f32>,
     pub(super) index: Arc<ClearanceIndex>,
+    /// The same solids, for questions about what is within [`CLOSE`]: with the shorter lists they are answered sooner.
+    close: ClearanceIndex,
     /// The ground on which people do not walk.
     surfaces: SurfaceIndex,
     /// The leaves of swinging doors in their open position.
     open_leaves: Vec<Leaf>,
     /// For each cell, the leaves within reach.
-    near_leaves: CellBuckets<u32>,
+    near_leaves: SparseBuckets<u32>,
 }
 
 impl FreeSpace {
-    pub(crate) fn new(world: &World, doors: &[DoorShape], index: Arc<ClearanceIndex>) -> Self {
+    pub(crate) fn new(
+        world: &World,
+        doors: &[DoorShape],
+        index: Arc<ClearanceIndex>,
+    ) -> Result<Self, SpecError> {
         let size = world.bounds.size();
         let cell = CELL.max((size.x * size.y / MAX_CELLS).sqrt()).max(size.max_element() / 1e6);
         let count = (size / cell).ceil().max(DVec2::ONE);
@@ -79,19 +101,19 @@ impl FreeSpace {
         let open_leaves: Vec<Leaf> =
             doors.iter().filter(|door| door.swings()).flat_map(|door| door.leaves(1.0)).collect();
         let numbers: Vec<u32> = (0..open_leaves.len() as u32).collect();
-        let near_leaves = CellBuckets::build(&frame, &numbers, None, |&i, frame, visit| {
+        let near_leaves = SparseBuckets::build(&frame, &numbers, |&i, frame, visit| {
             let leaf = open_leaves[i as usize];
             let shape =
                 crate::geometry::Shape::thick_segment(leaf.hinge, leaf.tip, 2.0 * REACH, REACH);
             frame.touched_runs(&crate::grid::Convex::Polygon(&shape.corners()), visit);
-        })
-        .unwrap_or_else(|| unreachable!("there is no limit"));
+        });
         let surfaces = SurfaceIndex::of(world, Ground::is_barrier);
         let mut space = FreeSpace {
             frame,
             moves: Vec::new(),
             clearances: vec![0.0; frame.len()],
             index,
+            close: index_solids(world, CLOSE)?,
             surfaces,
             open_leaves,
             near_leaves,
@@ -104,7 +126,7 @@ impl FreeSpace {
             }
         }
         space.moves = space.find_moves();
-        space
+        Ok(space)
     }
 
     /// Whether people can walk on all of the ground.
@@ -170,7 +192,7 @@ impl FreeSpace {
 
     /// Like [`FreeSpace::is_clear`], but without a margin, and ignoring open leaves, which may close.
     pub(super) fn is_squeezed_clear(&self, a: DVec2, b: DVec2) -> bool {
-        self.index.is_clear_along(a, b, PERSON_RADIUS - TOUCH) && self.is_firm_along(a, b)
+        self.close.is_clear_along(a, b, PERSON_RADIUS - TOUCH) && self.is_firm_along(a, b)
     }
 
     fn is_clear_for(&self, needed: f64, a: DVec2, b: DVec2) -> bool {
@@ -184,7 +206,7 @@ impl FreeSpace {
             along += if is_known { room } else { PIECE };
             let to = at(along);
             let is_clear = is_known
-                || self.index.is_clear_along(from, to, needed)
+                || self.close.is_clear_along(from, to, needed)
                     && self.leaves_are_off(needed, from, to);
             if !is_clear {
                 return false;
@@ -213,8 +235,13 @@ impl FreeSpace {
         }
         // A cell lists the leaves within reach of it, which is more than half a piece and what is needed.
         split_segment(a, b, REACH).all(|(from, to)| {
-            self.leaves_near(from.midpoint(to)).all(|Leaf { hinge, tip }| {
-                distance_between_segments(from, to, hinge, tip) >= needed
+            let middle = from.midpoint(to);
+            let half_size = 0.5 * (to - from).abs() + needed + ROUNDING;
+            self.leaves_near(middle).all(|Leaf { hinge, tip }| {
+                // Along one of the axes, most are far off.
+                let gap =
+                    (hinge.midpoint(tip) - middle).abs() - 0.5 * (tip - hinge).abs() - half_size;
+                gap.max_element() > 0.0 || distance_between_segments(from, to, hinge, tip) >= needed
             })
         })
     }
@@ -230,7 +257,7 @@ impl FreeSpace {
     /// Whether a person fits at a point, considering only solids.
     pub(crate) fn fits(&self, p: DVec2) -> bool {
         let is_off_solids =
-            self.clearance_by_cell(p) >= PERSON_RADIUS || self.index.clearance(p) >= PERSON_RADIUS;
+            self.clearance_by_cell(p) >= PERSON_RADIUS || self.close.clearance(p) >= PERSON_RADIUS;
         is_off_solids && self.is_firm(p)
     }
 
@@ -270,6 +297,12 @@ impl FreeSpace {
         regions.iter().map(|&region| region != NONE && Some(region) == used).collect()
     }
 
+    /// Whether the neighbour of a cell in a direction can be reached from it in a straight line.
+    #[inline]
+    pub(super) fn has_move(&self, cell: usize, direction: usize) -> bool {
+        self.moves[cell] & (1 << direction) != 0
+    }
+
     /// Returns the cells next to a cell that can be reached from it, with their directions.
     pub(super) fn reachable(&self, cell: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let moves = self.moves[cell];
@@ -307,8 +340,8 @@ mod tests {
         let world = IndoorSpec::default().generate(Seed(7)).unwrap().to_world();
         let spec = ScenarioSpec { doors: 1.0, ..Default::default() };
         let doors = shapes(&world, &Scenario::new(&world, &spec, Seed(1)).unwrap().doors);
-        let index = Arc::new(ClearanceIndex::new(&world, REACH).unwrap());
-        let space = FreeSpace::new(&world, &doors, index);
+        let index = Arc::new(index_solids(&world, REACH).unwrap());
+        let space = FreeSpace::new(&world, &doors, index).unwrap();
         let mut draws = Seed(2).stream("test", 0);
         let size = world.bounds.size();
         let mut clear = 0;
