@@ -1,5 +1,7 @@
 //! Clearance and contact queries: which solid parts of a [`World`] are near a point.
 
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use crate::error::SpecError;
@@ -52,8 +54,9 @@ pub struct Contact {
 pub struct ClearanceIndex {
     reach: f64,
     index: GridIndex,
-    shapes: Vec<(PartId, Shape)>,
-    hulls: Vec<Hull>,
+    /// Shared by the indices of a world that differ in their reach.
+    shapes: Arc<[(PartId, Shape)]>,
+    hulls: Arc<[Hull]>,
 }
 
 /// The clearance at a point, and what the query cost.
@@ -227,13 +230,28 @@ impl ClearanceIndex {
                 shape => shapes.push((solid.id, shape.clone())),
             }
         }
+        let hulls = shapes.iter().map(|(_, shape)| Hull::of(shape)).collect();
+        Ok(Self::over(shapes.into(), hulls, (reach, density, listings)))
+    }
+
+    /// Returns an index of the same parts for queries within a reach that is not greater; see
+    /// [`ClearanceIndex::with_density`].
+    pub(crate) fn nearer(&self, reach: f64, density: f64, listings: usize) -> Self {
+        let (shapes, hulls) = (Arc::clone(&self.shapes), Arc::clone(&self.hulls));
+        Self::over(shapes, hulls, (reach.min(self.reach), density, listings))
+    }
+
+    fn over(
+        shapes: Arc<[(PartId, Shape)]>,
+        hulls: Arc<[Hull]>,
+        (reach, density, listings): (f64, f64, usize),
+    ) -> Self {
         let around = shapes.iter().map(|(_, shape)| shape.bounds()).reduce(Rect::union);
         let (area, cells) = (index_area(around, reach), shapes.len() as f64 * density);
         let index = GridIndex::new(area, cells, shapes.len(), Some(listings), |i, frame, visit| {
             touched_runs(&shapes[i].1, reach, frame, visit);
         });
-        let hulls = shapes.iter().map(|(_, shape)| Hull::of(shape)).collect();
-        Ok(ClearanceIndex { reach, index, shapes, hulls })
+        ClearanceIndex { reach, index, shapes, hulls }
     }
 
     /// Returns the reach of the index, in metres.

@@ -6,9 +6,7 @@ use glam::DVec2;
 
 use super::doors::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState, GivenDoorCommand};
 use super::neighbourhood::{Neighbourhood, drift};
-use super::people::{
-    Crowd, FreeSpace, REACH, Routes, Surroundings, ZONE, find_places, index_solids,
-};
+use super::people::{Crowd, FreeSpace, Routes, Surroundings, ZONE, find_places, index_solids};
 use super::person::{PERSON_RADIUS, Person, PersonState, max_speed};
 use super::plan::shapes;
 use super::robot::Robot;
@@ -85,7 +83,7 @@ impl Walk {
         shapes: &[DoorShape],
         index: &Arc<ClearanceIndex>,
     ) -> Result<Self, SpecError> {
-        let space = FreeSpace::new(world, shapes, Arc::clone(index))?;
+        let space = FreeSpace::new(world, shapes, Arc::clone(index));
         scenario.check_people(&space, shapes)?;
         let people = scenario.people.len();
         let most = (2 * people + 16).min(MAX_PLACES);
@@ -115,7 +113,7 @@ impl ScenarioState {
     pub fn new(world: &World, scenario: &Scenario) -> Result<Self, SpecError> {
         scenario.check(world)?;
         let shapes = shapes(world, &scenario.doors);
-        let index = Arc::new(index_solids(world, REACH)?);
+        let index = Arc::new(index_solids(world)?);
         let walk = match scenario.people.is_empty() {
             true => None,
             false => Some(Walk::new(world, scenario, &shapes, &index)?),

@@ -216,7 +216,7 @@ mod tests {
     use super::*;
     use crate::Provenance;
     use crate::geometry::{Rect, Shape, edges};
-    use crate::scenario::people::{REACH, index_solids};
+    use crate::scenario::people::index_solids;
     use crate::world::{Wall, WallKind, World};
 
     /// A room of 8 x 8 m.
@@ -226,8 +226,8 @@ mod tests {
         let corners = Shape::from_rect(bounds).corners();
         let wall = |(a, b)| Wall::new(WallKind::Wall, Shape::Segment { a, b });
         world.walls = edges(&corners).map(wall).collect();
-        let index = Arc::new(index_solids(&world, REACH).unwrap());
-        FreeSpace::new(&world, &[], index).unwrap()
+        let index = Arc::new(index_solids(&world).unwrap());
+        FreeSpace::new(&world, &[], index)
     }
 
     fn path_away(space: &FreeSpace, from: DVec2, blockers: &Blockers) -> Option<Vec<DVec2>> {

@@ -15,7 +15,7 @@ use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::World;
 
 /// The greatest distance in metres up to which clearances and contacts are known.
-pub(in crate::scenario) const REACH: f64 = 2.0;
+const REACH: f64 = 2.0;
 
 /// The distance in metres up to which solids matter to a person, or to a line of the length [`PIECE`] that a person
 /// walks, from its middle.
@@ -58,12 +58,9 @@ pub(super) const COSTS: [u32; 2] = [5, 7];
 /// people are many.
 const INDEX: (f64, usize) = (8.0, 96);
 
-/// Returns an index of the solids of a world for queries of people.
-pub(in crate::scenario) fn index_solids(
-    world: &World,
-    reach: f64,
-) -> Result<ClearanceIndex, SpecError> {
-    ClearanceIndex::with_density(world, reach, INDEX.0, INDEX.1)
+/// Indexes the solids of a world for queries of people within [`REACH`].
+pub(in crate::scenario) fn index_solids(world: &World) -> Result<ClearanceIndex, SpecError> {
+    ClearanceIndex::with_density(world, REACH, INDEX.0, INDEX.1)
 }
 
 /// The free space of a disc of a person's radius.
@@ -86,11 +83,7 @@ pub(crate) struct FreeSpace {
 }
 
 impl FreeSpace {
-    pub(crate) fn new(
-        world: &World,
-        doors: &[DoorShape],
-        index: Arc<ClearanceIndex>,
-    ) -> Result<Self, SpecError> {
+    pub(crate) fn new(world: &World, doors: &[DoorShape], index: Arc<ClearanceIndex>) -> Self {
         let size = world.bounds.size();
         let cell = CELL.max((size.x * size.y / MAX_CELLS).sqrt()).max(size.max_element() / 1e6);
         let count = (size / cell).ceil().max(DVec2::ONE);
@@ -108,12 +101,13 @@ impl FreeSpace {
             frame.touched_runs(&crate::grid::Convex::Polygon(&shape.corners()), visit);
         });
         let surfaces = SurfaceIndex::of(world, Ground::is_barrier);
+        let close = index.nearer(CLOSE, INDEX.0, INDEX.1);
         let mut space = FreeSpace {
             frame,
             moves: Vec::new(),
             clearances: vec![0.0; frame.len()],
             index,
-            close: index_solids(world, CLOSE)?,
+            close,
             surfaces,
             open_leaves,
             near_leaves,
@@ -126,7 +120,7 @@ impl FreeSpace {
             }
         }
         space.moves = space.find_moves();
-        Ok(space)
+        space
     }
 
     /// Whether people can walk on all of the ground.
@@ -340,8 +334,8 @@ mod tests {
         let world = IndoorSpec::default().generate(Seed(7)).unwrap().to_world();
         let spec = ScenarioSpec { doors: 1.0, ..Default::default() };
         let doors = shapes(&world, &Scenario::new(&world, &spec, Seed(1)).unwrap().doors);
-        let index = Arc::new(index_solids(&world, REACH).unwrap());
-        let space = FreeSpace::new(&world, &doors, index).unwrap();
+        let index = Arc::new(index_solids(&world).unwrap());
+        let space = FreeSpace::new(&world, &doors, index);
         let mut draws = Seed(2).stream("test", 0);
         let size = world.bounds.size();
         let mut clear = 0;

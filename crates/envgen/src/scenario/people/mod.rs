@@ -17,7 +17,7 @@ mod sights;
 mod surroundings;
 
 pub(super) use crowd::Crowd;
-pub(super) use free_space::{FreeSpace, REACH, index_solids};
+pub(super) use free_space::{FreeSpace, index_solids};
 pub(super) use places::find_places;
 pub(super) use routes::Routes;
 pub(super) use surroundings::{Surroundings, ZONE};
@@ -42,8 +42,8 @@ pub(super) fn place_people(
     if needed == 0 {
         return Ok(Vec::new());
     }
-    let index = Arc::new(index_solids(world, REACH)?);
-    let space = FreeSpace::new(world, doors, index)?;
+    let index = Arc::new(index_solids(world)?);
+    let space = FreeSpace::new(world, doors, index);
     // Without a start, robots of this project's programs start where there is most room.
     let in_the_open = || pose_of_most_clearance(world).ok().flatten();
     let start = world.start.or_else(in_the_open).map(|start| start.position);

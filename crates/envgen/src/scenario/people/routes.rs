@@ -365,14 +365,14 @@ mod tests {
 
     use super::*;
     use crate::indoor::IndoorSpec;
-    use crate::scenario::people::{REACH, index_solids};
+    use crate::scenario::people::index_solids;
     use crate::{Blueprint, Seed, Spec};
 
     #[test]
     fn what_lies_straight_on_is_in_sight() {
         let world = IndoorSpec::default().generate(Seed(3)).unwrap().to_world();
-        let index = Arc::new(index_solids(&world, REACH).unwrap());
-        let space = FreeSpace::new(&world, &[], index).unwrap();
+        let index = Arc::new(index_solids(&world).unwrap());
+        let space = FreeSpace::new(&world, &[], index);
         let free: Vec<usize> = (0..space.frame.len()).filter(|&cell| space.is_free(cell)).collect();
         let mut farthest = 0;
         for goal in free.iter().step_by(free.len() / 5) {
