@@ -55,8 +55,8 @@ pub struct ClearanceIndex {
     reach: f64,
     index: GridIndex,
     /// Shared by the indices of a world that differ in their reach.
-    shapes: Arc<[(PartId, Shape)]>,
-    hulls: Arc<[Hull]>,
+    shapes: Arc<Vec<(PartId, Shape)>>,
+    hulls: Arc<Vec<Hull>>,
 }
 
 /// The clearance at a point, and what the query cost.
@@ -231,7 +231,7 @@ impl ClearanceIndex {
             }
         }
         let hulls = shapes.iter().map(|(_, shape)| Hull::of(shape)).collect();
-        Ok(Self::over(shapes.into(), hulls, (reach, density, listings)))
+        Ok(Self::over(Arc::new(shapes), Arc::new(hulls), (reach, density, listings)))
     }
 
     /// Returns an index of the same parts for queries within a reach that is not greater; see
@@ -242,8 +242,8 @@ impl ClearanceIndex {
     }
 
     fn over(
-        shapes: Arc<[(PartId, Shape)]>,
-        hulls: Arc<[Hull]>,
+        shapes: Arc<Vec<(PartId, Shape)>>,
+        hulls: Arc<Vec<Hull>>,
         (reach, density, listings): (f64, f64, usize),
     ) -> Self {
         let around = shapes.iter().map(|(_, shape)| shape.bounds()).reduce(Rect::union);
