@@ -529,7 +529,7 @@ fn ratings_of_three_sessions_are_linked() {
     };
     let two = linked(&["001/report.json", "002/report.json"]);
     assert!(
-        two.contains("difficulty: not linked: 2 sessions are rated, expected at least 3"),
+        two.contains("difficulty: not linked: expected at least 3 rated sessions, got 2"),
         "{two}"
     );
     assert!(two.contains("indoor, seed 1 by nearest (001/report.json)"), "{two}");
@@ -561,7 +561,7 @@ fn ratings_of_three_sessions_are_linked() {
     let twice = ["001/report.json", "002/report.json", "002/../001/report.json"];
     let twice = run(at, &[&["link"], &twice[..]].concat());
     let twice = String::from_utf8(twice.stdout).expect("text");
-    assert!(twice.contains("not linked: 2 sessions are rated"), "{twice}");
+    assert!(twice.contains("not linked: expected at least 3 rated sessions, got 2"), "{twice}");
     assert!(twice.contains("left out: 002/../001/report.json: it is given twice"), "{twice}");
 
     // Names are shown, but control no terminal.

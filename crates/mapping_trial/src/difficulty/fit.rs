@@ -53,7 +53,7 @@ pub const LEAST_SAMPLES: usize = ridge::FOLDS;
 
 /// The error that there are too few samples for a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("all trials of {0} worlds are finished, expected at least {LEAST_SAMPLES}")]
+#[error("expected at least {LEAST_SAMPLES} worlds whose trials are all finished, got {0}")]
 pub struct TooFewSamples(pub usize);
 
 /// Fits all models to the samples of an atlas of worlds of one kind.

@@ -113,7 +113,7 @@ pub struct RatedWorld<'a> {
 #[non_exhaustive]
 pub enum LinkError {
     /// There are too few sessions.
-    #[error("{sessions} sessions are rated, expected at least {LEAST_SESSIONS}")]
+    #[error("expected at least {LEAST_SESSIONS} rated sessions, got {sessions}")]
     Few {
         /// Number of sessions.
         sessions: usize,
@@ -309,8 +309,8 @@ mod tests {
     #[test]
     fn what_cannot_be_linked_is_refused() {
         let text = |pairs: &[(f64, f64)]| link(pairs).expect_err("no link").to_string();
-        assert_eq!(text(&[]), "0 sessions are rated, expected at least 3");
-        assert_eq!(text(&[(1.0, 2.0), (3.0, 4.0)]), "2 sessions are rated, expected at least 3");
+        assert_eq!(text(&[]), "expected at least 3 rated sessions, got 0");
+        assert_eq!(text(&[(1.0, 2.0), (3.0, 4.0)]), "expected at least 3 rated sessions, got 2");
         // Means of 6.1 are not all 6.1 to the bit.
         let constant = [(6.1, 1.0), (6.1, 2.0), (6.1, 5.0)];
         assert_eq!(text(&constant), "all 3 worlds are rated 6.1, expected ratings that differ");
