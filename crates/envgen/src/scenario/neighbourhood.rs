@@ -185,11 +185,11 @@ impl Neighbourhood {
                     }
                     false => 0..0,
                 };
-                let most = count + own.len() * (beside - own.start + above.len());
-                if pairs.len() < most {
-                    pairs.resize(2 * most, [0; 2]);
-                }
                 for k in own {
+                    let most = count + (beside - k - 1) + above.len();
+                    if pairs.len() < most {
+                        pairs.resize(2 * most, [0; 2]);
+                    }
                     let (i, p) = placed[k];
                     for run in [k + 1..beside, above.clone()] {
                         for &(j, q) in &placed[run] {

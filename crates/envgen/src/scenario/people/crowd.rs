@@ -216,8 +216,8 @@ impl Crowd {
         if person.steps_left > 0 || !wish.is_free {
             return true;
         }
-        // Who walks freely beside the path decides again where its next corner is near. Who steps aside does so in every
-        // tick, and so does who has a wish along the path, which is no longer known to be clear.
+        // Who walks freely beside the path decides again where its next corner is near. Who steps aside does so in
+        // every tick, and so does who has a wish along the path, which is no longer known to be clear.
         let walked = wish.velocity * (TICK * DECIDE as f64);
         let is_far =
             |corner: &DVec2| corner.distance_squared(person.position) > walked.length_squared();

@@ -180,9 +180,8 @@ impl<'a> FreePaths<'a> {
                 continue;
             }
             let end = frame.center_of(other);
-            let is_off_solids =
-                self.space.has_move(cell, direction) || self.space.is_squeezed_clear(center, end);
-            if is_off_solids && self.blockers.leave_free(center, end) {
+            let is_clear = self.space.is_squeezed_clear_move(cell, direction, (center, end));
+            if is_clear && self.blockers.leave_free(center, end) {
                 self.costs[k] = there;
                 self.before[k] = cell;
                 self.queue.push(Reverse((there, other)));
@@ -262,7 +261,16 @@ mod tests {
                 tip: DVec2::from(hinge) + DVec2::new(0.7, 0.4),
             });
             let blockers = Blockers { discs, leaves: leaves.into_iter().collect() };
-            let Some(path) = path_away(&space, from, &blockers) else { return Ok(()) };
+            let found = path_away(&space, from, &blockers);
+            // A search that was continued to another goal finds the same.
+            let mut paths = FreePaths::new(&space, from, &blockers).unwrap();
+            let is_far = |cell| space.frame.center_of(cell).distance(from) >= 4.0;
+            let far = paths.to(is_far);
+            let is_away = |cell| space.frame.center_of(cell).distance(from) >= 2.0;
+            prop_assert_eq!(&paths.to(is_away).map(|(_, path)| path), &found);
+            prop_assert_eq!(paths.to(is_far), far.clone());
+            prop_assert_eq!(FreePaths::new(&space, from, &blockers).unwrap().to(is_far), far);
+            let Some(path) = found else { return Ok(()) };
             let mut at = from;
             for &corner in path.iter().rev() {
                 prop_assert!(corner.min_element() > 0.24 && corner.max_element() < 7.76);

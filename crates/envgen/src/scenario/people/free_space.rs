@@ -18,7 +18,7 @@ use crate::world::World;
 const REACH: f64 = 2.0;
 
 /// The distance in metres up to which solids matter to a person, or to a line of the length [`PIECE`] that a person
-/// walks, from its middle.
+/// walks, from its middle, and a little more.
 const CLOSE: f64 = 0.5 * PIECE + PERSON_RADIUS + 2.0 * CARE;
 
 /// Side of a cell in metres, unless the world is too large for it.
@@ -38,7 +38,8 @@ const TOUCH: f64 = 0.002;
 /// An upper bound, in metres, of the rounding error of a distance.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// An upper bound, in metres, of the error of a cell's clearance that is rounded to `f32`.
+/// An upper bound, in metres, of the error of a cell's clearance that is rounded to `f32`, and of distances in the
+/// largest worlds.
 const CELL_ROUNDING: f64 = 1e-6;
 
 /// Length in metres of the pieces in which lines near solids are examined.
@@ -54,13 +55,20 @@ pub(super) const NEIGHBOURS: [(isize, isize); 8] =
 /// Costs of a step to the side and of a diagonal step; their ratio is nearly that of 1 to the square root of 2.
 pub(super) const COSTS: [u32; 2] = [5, 7];
 
-/// The number of cells of an index per shape, and the most cells in which a shape is listed, on average. Queries of
-/// people are many.
-const INDEX: (f64, usize) = (8.0, 96);
+/// The number of cells of an index per shape: fine ones, since people ask much more often than in trials alone.
+const DENSITY: f64 = 8.0;
+
+/// The number of cells in which a shape is listed at most, on average. In worlds with many shapes it is less, so that
+/// the lists of an index take about 64 MiB, but not less than the second number.
+const LISTINGS: (usize, usize) = (96, 24);
+
+fn listings(shapes: usize) -> usize {
+    ((1 << 24) / shapes.max(1)).clamp(LISTINGS.1, LISTINGS.0)
+}
 
 /// Indexes the solids of a world for queries of people within [`REACH`].
 pub(in crate::scenario) fn index_solids(world: &World) -> Result<ClearanceIndex, SpecError> {
-    ClearanceIndex::with_density(world, REACH, INDEX.0, INDEX.1)
+    ClearanceIndex::with_density(world, REACH, DENSITY, listings(world.solids().count()))
 }
 
 /// The free space of a disc of a person's radius.
@@ -101,7 +109,7 @@ impl FreeSpace {
             frame.touched_runs(&crate::grid::Convex::Polygon(&shape.corners()), visit);
         });
         let surfaces = SurfaceIndex::of(world, Ground::is_barrier);
-        let close = index.nearer(CLOSE, INDEX.0, INDEX.1);
+        let close = index.nearer(CLOSE, DENSITY, listings(world.solids().count()));
         let mut space = FreeSpace {
             frame,
             moves: Vec::new(),
@@ -212,6 +220,19 @@ impl FreeSpace {
         }
     }
 
+    /// [`FreeSpace::is_squeezed_clear`] for the line from the centre of a cell to that of its neighbour in a direction.
+    pub(super) fn is_squeezed_clear_move(
+        &self,
+        cell: usize,
+        direction: usize,
+        (a, b): (DVec2, DVec2),
+    ) -> bool {
+        // Moves keep a greater distance from solids.
+        let is_move = self.moves[cell] & (1 << direction) != 0;
+        (is_move || self.close.is_clear_along(a, b, PERSON_RADIUS - TOUCH))
+            && self.is_firm_along(a, b)
+    }
+
     /// Returns a lower bound of the distance from a point to the nearest solid or leaf of an open door, from the
     /// clearance at the centre of its cell.
     #[inline]
@@ -230,7 +251,7 @@ impl FreeSpace {
         // A cell lists the leaves within reach of it, which is more than half a piece and what is needed.
         split_segment(a, b, REACH).all(|(from, to)| {
             let middle = from.midpoint(to);
-            let half_size = 0.5 * (to - from).abs() + needed + ROUNDING;
+            let half_size = 0.5 * (to - from).abs() + needed + CELL_ROUNDING;
             self.leaves_near(middle).all(|Leaf { hinge, tip }| {
                 // Along one of the axes, most are far off.
                 let gap =
@@ -289,12 +310,6 @@ impl FreeSpace {
         let largest = || (0..sizes.len()).rev().max_by_key(|&i| sizes[i]).map(|i| i as u32);
         let used = at_start.or_else(largest);
         regions.iter().map(|&region| region != NONE && Some(region) == used).collect()
-    }
-
-    /// Whether the neighbour of a cell in a direction can be reached from it in a straight line.
-    #[inline]
-    pub(super) fn has_move(&self, cell: usize, direction: usize) -> bool {
-        self.moves[cell] & (1 << direction) != 0
     }
 
     /// Returns the cells next to a cell that can be reached from it, with their directions.

@@ -20,7 +20,8 @@ const TRIES: u32 = 8;
 const BLOCKED_TRIES: u32 = 32;
 
 impl Crowd {
-    /// Decides what a person does. Returns whether others decide again in the same tick because of it.
+    /// Decides what a person does. Returns whether others may decide again in the same tick
+    /// because of it.
     pub(super) fn choose(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
         if !around.robots.is_empty() && self.react(i, around) {
             return false;

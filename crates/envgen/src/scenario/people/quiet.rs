@@ -26,7 +26,7 @@ impl Crowd {
         }
     }
 
-    /// Moves a quiet person who moves.
+    /// Moves a quiet person who walks.
     #[inline]
     pub(super) fn cruise(&mut self, i: usize, around: &Surroundings<'_>) {
         let person = &mut self.people[i];

@@ -48,7 +48,7 @@ struct Tree {
     corners: Mutex<Corners>,
 }
 
-/// The corners of the paths to a place so far. What follows a corner is near it in memory.
+/// The corners of the paths to a place so far. Corners that were found one after another are so in memory.
 #[derive(Debug, Default)]
 struct Corners {
     /// For each cell of the window that is a corner, its number.
@@ -76,7 +76,8 @@ impl Corners {
         })
     }
 
-    /// Returns the number of the corner after another one, or the number of that one at the place.
+    /// Returns the number of the corner after another one, or the number of that one at the place; `None` if no path
+    /// leads from it to the place.
     fn after(&mut self, corner: u32, tree: &Tree, space: &FreeSpace) -> Option<u32> {
         let Corner { position, cell, next } = self.all[corner as usize];
         if next.is_some() {
@@ -125,8 +126,7 @@ impl Routes {
         let tree = self.tree(space, place)?;
         let here = space.frame.index_at(from)?;
         let is_at_middle = space.frame.center_of(here).distance_squared(from) < ROUNDING * ROUNDING;
-        // Most paths have no more corners.
-        let mut path = Vec::with_capacity(16);
+        let mut path = Vec::new();
         // Most who depart are at a place, which is the middle of a cell, and so a corner.
         let first = if is_at_middle && tree.is_reached(space, here) {
             tree.index(space, here)?
@@ -139,6 +139,8 @@ impl Routes {
             path.push(tree.center(space, first));
             first
         };
+        // Most paths have at most so many corners.
+        path.reserve(16);
         let mut corners = tree.corners.lock().unwrap_or_else(PoisonError::into_inner);
         let mut corner = corners.number(first, tree, space);
         loop {
