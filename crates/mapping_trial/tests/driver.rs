@@ -187,8 +187,13 @@ fn a_driver_that_does_not_wait_is_an_error() {
 
 #[test]
 fn an_answer_too_many_is_an_error() {
-    let reply = r#"echo '{"speed": 0.4, "turn_rate": 0}';"#;
-    let script = format!("{HELLO} read line; {reply} {reply} while read line; do {reply} done");
+    // Both answers are written at once. The second of two writes could be late, and would be taken for the answer to
+    // the next line.
+    let reply = r#"'{"speed": 0.4, "turn_rate": 0}'"#;
+    let say = r"printf '%s\n'";
+    let script = format!(
+        "{HELLO} read line; {say} {reply} {reply}; while read line; do {say} {reply}; done"
+    );
     let found = failure(&script, PATIENCE);
     assert!(found.contains("expected one line per line sent"), "{found}");
 }
