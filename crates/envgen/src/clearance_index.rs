@@ -1,7 +1,5 @@
 //! Clearance and contact queries: which solid parts of a [`World`] are near a point.
 
-use std::sync::Arc;
-
 use glam::DVec2;
 
 use crate::error::SpecError;
@@ -54,9 +52,8 @@ pub struct Contact {
 pub struct ClearanceIndex {
     reach: f64,
     index: GridIndex,
-    /// Shared by the indices of a world that differ in their reach.
-    shapes: Arc<Vec<(PartId, Shape)>>,
-    hulls: Arc<Vec<Hull>>,
+    shapes: Vec<(PartId, Shape)>,
+    hulls: Vec<Hull>,
 }
 
 /// The clearance at a point, and what the query cost.
@@ -112,55 +109,37 @@ impl Hull {
     }
 }
 
-/// A line, and the distance that shapes have to keep from it.
+/// A line, and the distance from it beyond which a hull is clear of it.
 struct Surrounded {
-    ends: [DVec2; 2],
     middle: DVec2,
-    /// Half the sides of the line's bounding box.
+    /// Half the sides of the bounding box of all points within that distance of the line.
     half_size: DVec2,
     /// A vector across the line, as long as the line.
     normal: DVec2,
-    length: f64,
-    /// The distance, and distances that are greater and less than it by the rounding error.
-    distance: f64,
-    most: f64,
-    least: f64,
+    /// The distance times the length of the line.
+    breadth: f64,
 }
 
 impl Surrounded {
     fn new(from: DVec2, to: DVec2, distance: f64) -> Self {
         let along = to - from;
+        let distance = distance + ROUNDING;
         Surrounded {
-            ends: [from, to],
             middle: from.midpoint(to),
-            half_size: 0.5 * along.abs(),
+            half_size: 0.5 * along.abs() + distance,
             normal: along.perp(),
-            length: along.length(),
-            distance,
-            most: distance + ROUNDING,
-            least: (distance - ROUNDING).max(0.0),
+            breadth: distance * along.length(),
         }
     }
 
-    /// Whether a shape keeps the distance.
+    /// Whether a cheap test shows that a hull is clear of the line: along one of the axes, or across the line. A
+    /// hull that fails the test can be clear, too.
     #[inline]
-    fn is_clear_of(&self, hull: &Hull, shape: &Shape) -> bool {
-        // The gaps along the axes, and that across the line times its length.
+    fn is_off(&self, hull: &Hull) -> bool {
         let to = hull.center - self.middle;
         let gap = to.abs() - hull.half_size - self.half_size;
         let across = to.dot(self.normal).abs() - hull.half_size.dot(self.normal.abs());
-        if (gap.x > self.most) | (gap.y > self.most) | (across > self.most * self.length) {
-            return true;
-        }
-        let crosses = (gap.x <= 0.0) & (gap.y <= 0.0) & (across <= 0.0);
-        let [from, to] = self.ends;
-        if hull.is_shape && self.least > 0.0 {
-            let is_near = |end| hull.distance_squared(end) < self.least * self.least;
-            if crosses || is_near(from) || is_near(to) {
-                return false;
-            }
-        }
-        shape.distance_from_segment(from, to) >= self.distance
+        (gap.x > 0.0) | (gap.y > 0.0) | (across > self.breadth)
     }
 }
 
@@ -230,28 +209,13 @@ impl ClearanceIndex {
                 shape => shapes.push((solid.id, shape.clone())),
             }
         }
-        let hulls = shapes.iter().map(|(_, shape)| Hull::of(shape)).collect();
-        Ok(Self::over(Arc::new(shapes), Arc::new(hulls), (reach, density, listings)))
-    }
-
-    /// Returns an index of the same parts for queries within a reach that is not greater; see
-    /// [`ClearanceIndex::with_density`].
-    pub(crate) fn nearer(&self, reach: f64, density: f64, listings: usize) -> Self {
-        let (shapes, hulls) = (Arc::clone(&self.shapes), Arc::clone(&self.hulls));
-        Self::over(shapes, hulls, (reach.min(self.reach), density, listings))
-    }
-
-    fn over(
-        shapes: Arc<Vec<(PartId, Shape)>>,
-        hulls: Arc<Vec<Hull>>,
-        (reach, density, listings): (f64, f64, usize),
-    ) -> Self {
         let around = shapes.iter().map(|(_, shape)| shape.bounds()).reduce(Rect::union);
         let (area, cells) = (index_area(around, reach), shapes.len() as f64 * density);
         let index = GridIndex::new(area, cells, shapes.len(), Some(listings), |i, frame, visit| {
             touched_runs(&shapes[i].1, reach, frame, visit);
         });
-        ClearanceIndex { reach, index, shapes, hulls }
+        let hulls = shapes.iter().map(|(_, shape)| Hull::of(shape)).collect();
+        Ok(ClearanceIndex { reach, index, shapes, hulls })
     }
 
     /// Returns the reach of the index, in metres.
@@ -328,13 +292,13 @@ impl ClearanceIndex {
     /// Whether every solid part is at least `distance` metres, which must be less than the reach, from the line
     /// from `a` to `b`. The answer is exact and takes the time of one query per metre.
     pub(crate) fn is_clear_along(&self, a: DVec2, b: DVec2, distance: f64) -> bool {
-        // A cell lists what is within reach of any point in it. So a piece may extend from its middle by as much as
-        // the reach exceeds the distance.
-        split_segment(a, b, (2.0 * (self.reach - distance)).min(MAX_PIECE)).all(|(from, to)| {
+        // A cell lists what is within reach of a point in it, and so of the line as far as that from the point.
+        split_segment(a, b, (self.reach - distance).min(MAX_PIECE)).all(|(from, to)| {
             let line = Surrounded::new(from, to, distance);
-            let near = self.index.at(line.middle);
-            near.iter()
-                .all(|&i| line.is_clear_of(&self.hulls[i as usize], &self.shapes[i as usize].1))
+            self.index.at(line.middle).iter().all(|&i| {
+                line.is_off(&self.hulls[i as usize])
+                    || self.shapes[i as usize].1.distance_from_segment(from, to) >= distance
+            })
         })
     }
 

@@ -147,35 +147,3 @@ impl<T: Copy> CellBuckets<T> {
         }
     }
 }
-
-/// One list per cell, of which most are empty. A bit per cell tells which: the bits fit in a processor's cache.
-#[derive(Clone, Debug)]
-pub(crate) struct SparseBuckets<T> {
-    any: Vec<u64>,
-    lists: CellBuckets<T>,
-}
-
-impl<T: Copy> SparseBuckets<T> {
-    /// Lists each item in every cell that `runs` names for it.
-    pub(crate) fn build(
-        frame: &GridFrame,
-        items: &[T],
-        runs: impl Fn(&T, &GridFrame, &mut dyn FnMut(usize, usize, usize)),
-    ) -> Self {
-        let lists = CellBuckets::build(frame, items, None, runs)
-            .unwrap_or_else(|| unreachable!("there is no limit"));
-        let mut any = vec![0; frame.len().div_ceil(64)];
-        for (cell, pair) in lists.starts.windows(2).enumerate() {
-            any[cell / 64] |= u64::from(pair[0] < pair[1]) << (cell % 64);
-        }
-        SparseBuckets { any, lists }
-    }
-
-    #[inline]
-    pub(crate) fn of(&self, cell: usize) -> &[T] {
-        match self.any.get(cell / 64) {
-            Some(bits) if bits & (1 << (cell % 64)) != 0 => self.lists.of(cell),
-            _ => &[],
-        }
-    }
-}

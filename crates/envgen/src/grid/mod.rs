@@ -7,7 +7,5 @@ mod region;
 
 pub(crate) use cover::Convex;
 pub use frame::GridFrame;
-pub(crate) use index::{
-    CellBuckets, GridIndex, MAX_CELLS, SparseBuckets, finest_frame, index_area,
-};
+pub(crate) use index::{CellBuckets, GridIndex, MAX_CELLS, finest_frame, index_area};
 pub(crate) use region::largest_region;

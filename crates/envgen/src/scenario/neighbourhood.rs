@@ -33,8 +33,8 @@ pub(crate) struct Neighbourhood {
     drift: f64,
     starts: Vec<u32>,
     ids: Vec<u32>,
-    /// The same with the positions of the people.
-    placed: Vec<(u32, DVec2)>,
+    /// The positions of `ids`.
+    placed: Vec<DVec2>,
     /// The positions of all people when the lists were built.
     positions: Vec<DVec2>,
     in_range: Lists,
@@ -164,7 +164,7 @@ impl Neighbourhood {
         });
         let Neighbourhood { frame, starts, ids, placed, positions, in_range, in_touch, .. } = self;
         placed.clear();
-        placed.extend(ids.iter().map(|&i| (i, positions[i as usize])));
+        placed.extend(ids.iter().map(|&i| positions[i as usize]));
         let (pairs, touching) = (&mut in_range.pairs, &mut in_touch.pairs);
         touching.clear();
         let mut count = 0;
@@ -186,14 +186,13 @@ impl Neighbourhood {
                     false => 0..0,
                 };
                 for k in own {
-                    let most = count + (beside - k - 1) + above.len();
-                    if pairs.len() < most {
-                        pairs.resize(2 * most, [0; 2]);
-                    }
-                    let (i, p) = placed[k];
+                    let (i, p) = (ids[k], placed[k]);
                     for run in [k + 1..beside, above.clone()] {
-                        for &(j, q) in &placed[run] {
-                            let distance2 = p.distance_squared(q);
+                        if pairs.len() < count + run.len() {
+                            pairs.resize(2 * (count + run.len()), [0; 2]);
+                        }
+                        for (&j, q) in ids[run.clone()].iter().zip(&placed[run]) {
+                            let distance2 = p.distance_squared(*q);
                             // Without a branch, which would be hard to predict.
                             pairs[count] = [i, j];
                             count += usize::from(distance2 <= range2);

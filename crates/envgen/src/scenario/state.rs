@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::doors::{Bodies, DoorClock, DoorCommand, DoorShape, DoorState, GivenDoorCommand};
 use super::neighbourhood::{Neighbourhood, drift};
-use super::people::{Crowd, FreeSpace, Routes, Surroundings, ZONE, find_places, index_solids};
+use super::people::{Crowd, FreeSpace, REACH, Routes, Surroundings, ZONE, find_places};
 use super::person::{PERSON_RADIUS, Person, PersonState, max_speed};
 use super::plan::shapes;
 use super::robot::Robot;
@@ -16,7 +16,7 @@ use super::{Door, Leaf, Scenario, ScenarioSpec};
 use crate::clearance_index::ClearanceIndex;
 use crate::error::SpecError;
 use crate::geometry::Rect;
-use crate::grid::{Convex, SparseBuckets};
+use crate::grid::{CellBuckets, Convex};
 use crate::raycast::Raycaster;
 use crate::seed::Seed;
 use crate::world::{Digest, World};
@@ -72,8 +72,8 @@ pub(super) struct Scene {
 struct Walk {
     space: FreeSpace,
     routes: Routes,
-    door_zones: SparseBuckets<u32>,
-    near_doors: SparseBuckets<u32>,
+    door_zones: CellBuckets<u32>,
+    near_doors: CellBuckets<u32>,
 }
 
 impl Walk {
@@ -90,11 +90,12 @@ impl Walk {
         let places = find_places(&space, world, shapes, scenario.seed, (most, most), None);
         let numbers: Vec<u32> = (0..shapes.len() as u32).collect();
         let zones = |margin: f64| {
-            SparseBuckets::build(&space.frame, &numbers, |&i, frame, visit| {
+            CellBuckets::build(&space.frame, &numbers, None, |&i, frame, visit| {
                 let door = &shapes[i as usize];
                 let reach = door.reach() + PERSON_RADIUS + margin;
                 frame.touched_runs(&Convex::Disc(door.middle(), reach), visit);
             })
+            .unwrap_or_else(|| unreachable!("there is no limit"))
         };
         let door_zones = zones(ZONE);
         let near_doors = zones(ZONE + drift(max_speed(&scenario.people)));
@@ -113,7 +114,7 @@ impl ScenarioState {
     pub fn new(world: &World, scenario: &Scenario) -> Result<Self, SpecError> {
         scenario.check(world)?;
         let shapes = shapes(world, &scenario.doors);
-        let index = Arc::new(index_solids(world)?);
+        let index = Arc::new(ClearanceIndex::new(world, REACH)?);
         let walk = match scenario.people.is_empty() {
             true => None,
             false => Some(Walk::new(world, scenario, &shapes, &index)?),
@@ -217,9 +218,7 @@ impl ScenarioState {
         let scene = &*self.scene;
         let bodies = Bodies { people: &self.crowd.people, near: &self.crowd.near, robots };
         for ((door, shape), state) in scene.doors.iter().zip(&scene.shapes).zip(&mut self.doors) {
-            if !state.is_idle(door, self.tick) {
-                state.step(door, shape, &scene.clock(door, self.tick), &bodies);
-            }
+            state.step(door, shape, &scene.clock(door, self.tick), &bodies);
         }
         if let Some(around) = scene.surroundings(&self.doors, robots, self.tick) {
             self.crowd.step(&around);

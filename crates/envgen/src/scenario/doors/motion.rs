@@ -151,17 +151,6 @@ impl DoorState {
         shape.leaves(self.openness)
     }
 
-    /// Whether a tick changes nothing: the door is still, and no action is due.
-    #[inline]
-    pub(crate) fn is_idle(&self, door: &Door, tick: u64) -> bool {
-        let waits = match door.control {
-            DoorControl::Timed => self.due > tick,
-            DoorControl::Triggered => false,
-            DoorControl::Commanded => true,
-        };
-        waits && self.is_still()
-    }
-
     /// Moves the door by a tick.
     pub(crate) fn step(
         &mut self,

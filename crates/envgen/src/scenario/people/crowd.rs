@@ -51,9 +51,8 @@ pub(crate) struct Crowd {
     pub(super) sights: Sights,
     wishes: Vec<Wish>,
     planes: Vec<HalfPlane>,
-    /// One bit per person, which is set while the person moves, and one for those who are looked at in a tick.
-    moving: Vec<u64>,
-    awake: Vec<u64>,
+    /// The people who are looked at in a tick.
+    awake: Vec<u32>,
 }
 
 /// The velocity that a person takes if nothing is in front of the person.
@@ -93,8 +92,6 @@ impl Crowd {
         let taken = vec![0; places];
         let comes_near_doors = vec![true; people.len()];
         let planes = Vec::new();
-        let moving = vec![0; people.len().div_ceil(64)];
-        let awake = moving.clone();
         let mut crowd = Crowd {
             people,
             near,
@@ -104,8 +101,7 @@ impl Crowd {
             sights: Sights::default(),
             wishes,
             planes,
-            moving,
-            awake,
+            awake: Vec::new(),
         };
         crowd.find_neighbours(doors);
         crowd
@@ -126,79 +122,46 @@ impl Crowd {
                 }
             }
         }
-        let mut is_disturbed = false;
-        for word in 0..self.awake.len() {
-            self.awake[word] = self.find_awake(word, around.tick);
-            let mut bits = self.awake[word];
-            while let Some(i) = first_of(&mut bits, word) {
-                if self.choose(i, around) {
-                    is_disturbed = true;
-                    // Some of those who follow may be awake now.
-                    bits = self.find_awake(word, around.tick) & (!1 << (i % 64));
-                }
-            }
-        }
-        if is_disturbed {
-            for word in 0..self.awake.len() {
-                self.awake[word] = self.find_awake(word, around.tick);
+        for i in 0..self.people.len() {
+            if !self.is_quiet(i, around.tick) {
+                self.choose(i, around);
             }
         }
         // All wish before anyone moves, so that none is better informed than another.
         let is_time = around.tick.is_multiple_of(DECIDE);
-        for word in 0..self.awake.len() {
-            let mut bits = self.awake[word];
-            while let Some(i) = first_of(&mut bits, word) {
-                // Some were put to rest.
-                if !self.is_quiet(i, around.tick) && (is_time || !self.keeps_wish(i)) {
-                    self.wishes[i] = self.wish(i, around);
-                }
+        let mut awake = std::mem::take(&mut self.awake);
+        select(&mut awake, self.quiet_until.iter().map(|&until| until <= around.tick));
+        for &i in &awake {
+            let i = i as usize;
+            if is_time || !self.keeps_wish(i) {
+                self.wishes[i] = self.wish(i, around);
             }
         }
-        for word in 0..self.awake.len() {
-            let mut bits = self.awake[word] | self.moving[word];
-            while let Some(i) = first_of(&mut bits, word) {
-                if !self.is_quiet(i, around.tick) {
-                    self.go(i, around);
-                } else if self.moves(i) {
-                    self.cruise(i, around);
-                }
+        let is_awake_or_moves = |(&until, person): (&u64, &PersonState)| {
+            (until <= around.tick) | (person.velocity != DVec2::ZERO)
+        };
+        select(&mut awake, self.quiet_until.iter().zip(&self.people).map(is_awake_or_moves));
+        for &i in &awake {
+            let i = i as usize;
+            if self.is_quiet(i, around.tick) {
+                self.cruise(i, around);
+                continue;
+            }
+            let before = self.people[i].velocity;
+            if self.wishes[i].velocity == DVec2::ZERO {
+                self.people[i].stop();
+            } else {
+                self.follow(i, around);
+            }
+            if self.people[i].velocity != before {
+                self.disturb_others(i, around.tick + 1);
+            }
+            if self.people[i].is_walking() && self.people[i].velocity == DVec2::ZERO {
+                // Who is stopped looks again when it is time.
+                self.quiet_until[i] = (around.tick + 1).next_multiple_of(DECIDE);
             }
         }
-    }
-
-    /// Returns a bit for each of the 64 people of a word, which is set for those who are not quiet in a tick.
-    #[inline]
-    fn find_awake(&self, word: usize, tick: u64) -> u64 {
-        let from = 64 * word;
-        let untils = &self.quiet_until[from..self.quiet_until.len().min(from + 64)];
-        // Without branches, which would be hard to predict.
-        untils.iter().rev().fold(0, |bits, &until| bits << 1 | u64::from(until <= tick))
-    }
-
-    #[inline]
-    fn moves(&self, i: usize) -> bool {
-        self.moving[i / 64] & (1 << (i % 64)) != 0
-    }
-
-    /// Moves a person who is not quiet.
-    fn go(&mut self, i: usize, around: &Surroundings<'_>) {
-        let before = self.people[i].velocity;
-        if self.wishes[i].velocity == DVec2::ZERO {
-            self.people[i].stop();
-        } else {
-            self.follow(i, around);
-        }
-        let person = &self.people[i];
-        let (is_changed, moves) = (person.velocity != before, person.velocity != DVec2::ZERO);
-        if !moves && person.is_walking() {
-            // Who is stopped looks again when it is time.
-            self.quiet_until[i] = (around.tick + 1).next_multiple_of(DECIDE);
-        }
-        if is_changed {
-            self.moving[i / 64] &= !(1 << (i % 64));
-            self.moving[i / 64] |= u64::from(moves) << (i % 64);
-            self.disturb_others(i, around.tick + 1);
-        }
+        self.awake = awake;
     }
 
     /// Rebuilds the lists of neighbours.
@@ -216,8 +179,8 @@ impl Crowd {
         if person.steps_left > 0 || !wish.is_free {
             return true;
         }
-        // Who walks freely beside the path decides again where its next corner is near. Who steps aside does so in
-        // every tick, and so does who has a wish along the path, which is no longer known to be clear.
+        // Who walks freely beside the path decides again where its next corner is near. Who steps aside does so in every
+        // tick, and so does who has a wish along the path, which is no longer known to be clear.
         let walked = wish.velocity * (TICK * DECIDE as f64);
         let is_far =
             |corner: &DVec2| corner.distance_squared(person.position) > walked.length_squared();
@@ -547,13 +510,17 @@ impl PersonState {
     }
 }
 
-/// Removes the first person of a word from its bits; returns the person's index.
+/// Lists the indices for which something holds.
 #[inline]
-fn first_of(bits: &mut u64, word: usize) -> Option<usize> {
-    let first = bits.trailing_zeros() as usize;
-    let is_any = *bits != 0;
-    *bits &= bits.wrapping_sub(1);
-    is_any.then_some(64 * word + first)
+fn select(indices: &mut Vec<u32>, holds: impl ExactSizeIterator<Item = bool>) {
+    indices.resize(holds.len(), 0);
+    let mut count = 0;
+    for (i, holds) in holds.enumerate() {
+        // Without a branch, which would be hard to predict.
+        indices[count] = i as u32;
+        count += usize::from(holds);
+    }
+    indices.truncate(count);
 }
 
 /// Returns a time in seconds as whole ticks, at least one.

@@ -18,10 +18,6 @@ pub(super) fn passes_door(
     (from, to): (DVec2, DVec2),
     corner: Option<DVec2>,
 ) -> bool {
-    let far = shape.reach() + OFF_SWINGS;
-    if to.distance_squared(shape.middle()) > far * far {
-        return true;
-    }
     let is_off_leaves = state.leaves(shape).all(|leaf| {
         let distance = leaf.nearest_point(to).distance(to);
         distance >= PERSON_RADIUS || distance > leaf.nearest_point(from).distance(from)

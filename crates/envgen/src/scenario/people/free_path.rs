@@ -45,149 +45,81 @@ impl Blockers {
     }
 }
 
-/// A search for the shortest paths on the grid from a point between blockers. It is continued from goal to goal.
-pub(super) struct FreePaths<'a> {
-    space: &'a FreeSpace,
-    blockers: &'a Blockers,
-    /// Column and row of the cell in the middle of the window.
-    middle: (usize, usize),
-    /// For each cell of the window, the cost of the path to it, and the cell before it.
-    costs: Vec<u32>,
-    before: Vec<usize>,
-    /// For a cell at which paths begin after a first step, the point to which that step leads.
-    first_steps: BTreeMap<usize, DVec2>,
-    queue: BinaryHeap<Reverse<(u32, usize)>>,
-    /// The cells that were reached so far, with the nearest one first, and how many of them were searched from.
-    reached: Vec<usize>,
-    searched: usize,
-}
-
-impl<'a> FreePaths<'a> {
-    /// Begins a search at a point; `None` outside the grid.
-    pub(super) fn new(
-        space: &'a FreeSpace,
-        from: DVec2,
-        blockers: &'a Blockers,
-    ) -> Option<FreePaths<'a>> {
-        let middle = space.frame.cell_at(from)?;
-        let mut paths = FreePaths {
-            space,
-            blockers,
-            middle,
-            costs: vec![u32::MAX; SIDE * SIDE],
-            before: vec![usize::MAX; SIDE * SIDE],
-            first_steps: BTreeMap::new(),
-            queue: BinaryHeap::new(),
-            reached: Vec::new(),
-            searched: 0,
-        };
-        paths.enter(from, None);
-        if paths.queue.is_empty() {
-            for k in 0..DIRECTIONS {
-                let direction = unit_vector(TAU * f64::from(k) / f64::from(DIRECTIONS));
-                for length in [space.frame.cell_size, 2.0 * space.frame.cell_size] {
-                    let p = from + length * direction;
-                    if paths.is_clear(from, p) {
-                        paths.enter(p, Some(length));
-                    }
-                }
-            }
-        }
-        Some(paths)
-    }
-
-    fn is_clear(&self, a: DVec2, b: DVec2) -> bool {
-        self.space.is_squeezed_clear(a, b) && self.blockers.leave_free(a, b)
-    }
-
-    /// Returns the index in the window of a cell of the grid; `None` outside.
-    fn local(&self, cell: usize) -> Option<usize> {
-        let (c, r) = self.space.frame.cell(cell);
-        let (col, row) = self.middle;
+/// Returns the shortest path on the grid from a point to a cell that is a goal: the cell, and the corners with the
+/// last one first.
+pub(super) fn free_path(
+    space: &FreeSpace,
+    from: DVec2,
+    blockers: &Blockers,
+    mut is_goal: impl FnMut(usize) -> bool,
+) -> Option<(usize, Vec<DVec2>)> {
+    let frame = space.frame;
+    let here = frame.index_at(from)?;
+    let (col, row) = frame.cell(here);
+    let local = |cell: usize| {
+        let (c, r) = frame.cell(cell);
         let (c, r) = (c as isize - col as isize + WINDOW, r as isize - row as isize + WINDOW);
         let inside = 0..SIDE as isize;
         (inside.contains(&c) && inside.contains(&r)).then(|| r as usize * SIDE + c as usize)
-    }
-
-    /// Begins paths at the cells around the middle that are in sight of a point: the beginning, or one at the end of
-    /// a first step of a length in metres.
-    fn enter(&mut self, p: DVec2, first_step: Option<f64>) {
-        let frame = self.space.frame;
-        let here = frame.index(self.middle.0, self.middle.1);
+    };
+    let is_clear = |a: DVec2, b: DVec2| space.is_squeezed_clear(a, b) && blockers.leave_free(a, b);
+    let mut costs = vec![u32::MAX; SIDE * SIDE];
+    let mut before = vec![usize::MAX; SIDE * SIDE];
+    let mut first_steps = BTreeMap::new();
+    let mut queue = BinaryHeap::new();
+    let mut enter = |p: DVec2, walked: f64| {
         for up in -ENTRY..=ENTRY {
             for right in -ENTRY..=ENTRY {
                 let Some(cell) = frame.neighbour(here, right, up) else { continue };
-                let (Some(i), center) = (self.local(cell), frame.center_of(cell)) else { continue };
-                let steps = (first_step.unwrap_or(0.0) + p.distance(center)) / frame.cell_size;
+                let (Some(i), center) = (local(cell), frame.center_of(cell)) else { continue };
+                let steps = (walked + p.distance(center)) / frame.cell_size;
                 let cost = (f64::from(COSTS[0]) * steps) as u32;
-                if cost < self.costs[i] && self.is_clear(p, center) {
-                    self.costs[i] = cost;
-                    self.queue.push(Reverse((cost, cell)));
-                    if first_step.is_some() {
-                        self.first_steps.insert(cell, p);
+                if cost < costs[i] && is_clear(p, center) {
+                    costs[i] = cost;
+                    queue.push(Reverse((cost, cell)));
+                    if p != from {
+                        first_steps.insert(cell, p);
                     }
                 }
             }
         }
-    }
-
-    /// Returns the path to the nearest cell that is a goal: the cell, and the corners with the last one first.
-    pub(super) fn to(
-        &mut self,
-        mut is_goal: impl FnMut(usize) -> bool,
-    ) -> Option<(usize, Vec<DVec2>)> {
-        let mut at = 0;
-        loop {
-            let cell = match self.reached.get(at) {
-                Some(&cell) => cell,
-                None => self.reach_next()?,
-            };
-            if is_goal(cell) {
-                let before = |cell| self.local(cell).map(|i| self.before[i]);
-                let mut path = corners(cell, before, self.space);
-                let first = path.last().and_then(|&p| self.space.frame.index_at(p));
-                path.extend(first.and_then(|cell| self.first_steps.get(&cell)));
-                return Some((cell, path));
-            }
-            at += 1;
-        }
-    }
-
-    /// Returns the nearest cell that was not reached yet.
-    fn reach_next(&mut self) -> Option<usize> {
-        while let Some(&cell) = self.reached.get(self.searched) {
-            self.search_from(cell);
-            self.searched += 1;
-        }
-        while let Some(Reverse((cost, cell))) = self.queue.pop() {
-            if self.local(cell).is_some_and(|i| self.costs[i] == cost) {
-                self.reached.push(cell);
-                return Some(cell);
+        !queue.is_empty()
+    };
+    if !enter(from, 0.0) {
+        for k in 0..DIRECTIONS {
+            let direction = unit_vector(TAU * f64::from(k) / f64::from(DIRECTIONS));
+            for length in [frame.cell_size, 2.0 * frame.cell_size] {
+                let p = from + length * direction;
+                if is_clear(from, p) {
+                    enter(p, length);
+                }
             }
         }
-        None
     }
-
-    fn search_from(&mut self, cell: usize) {
-        let frame = self.space.frame;
-        let Some(cost) = self.local(cell).map(|i| self.costs[i]) else { return };
+    while let Some(Reverse((cost, cell))) = queue.pop() {
+        let Some(i) = local(cell) else { continue };
+        if costs[i] != cost {
+            continue;
+        }
+        if is_goal(cell) {
+            let mut path = corners(cell, |cell| local(cell).map(|i| before[i]), space);
+            let first = path.last().and_then(|&p| frame.index_at(p));
+            path.extend(first.and_then(|cell| first_steps.get(&cell)));
+            return Some((cell, path));
+        }
         let center = frame.center_of(cell);
         for (direction, &(right, up)) in NEIGHBOURS.iter().enumerate() {
             let Some(other) = frame.neighbour(cell, right, up) else { continue };
-            let Some(k) = self.local(other) else { continue };
+            let Some(k) = local(other) else { continue };
             let there = cost + COSTS[direction % 2];
-            if there >= self.costs[k] {
-                continue;
-            }
-            let end = frame.center_of(other);
-            let is_clear = self.space.is_squeezed_clear_move(cell, direction, (center, end));
-            if is_clear && self.blockers.leave_free(center, end) {
-                self.costs[k] = there;
-                self.before[k] = cell;
-                self.queue.push(Reverse((there, other)));
+            if there < costs[k] && is_clear(center, frame.center_of(other)) {
+                costs[k] = there;
+                before[k] = cell;
+                queue.push(Reverse((there, other)));
             }
         }
     }
+    None
 }
 
 /// Returns the corners of the path to a cell, with the last one first.
@@ -214,8 +146,9 @@ mod tests {
 
     use super::*;
     use crate::Provenance;
+    use crate::clearance_index::ClearanceIndex;
     use crate::geometry::{Rect, Shape, edges};
-    use crate::scenario::people::index_solids;
+    use crate::scenario::people::REACH;
     use crate::world::{Wall, WallKind, World};
 
     /// A room of 8 x 8 m.
@@ -225,13 +158,13 @@ mod tests {
         let corners = Shape::from_rect(bounds).corners();
         let wall = |(a, b)| Wall::new(WallKind::Wall, Shape::Segment { a, b });
         world.walls = edges(&corners).map(wall).collect();
-        let index = Arc::new(index_solids(&world).unwrap());
+        let index = Arc::new(ClearanceIndex::new(&world, REACH).unwrap());
         FreeSpace::new(&world, &[], index)
     }
 
     fn path_away(space: &FreeSpace, from: DVec2, blockers: &Blockers) -> Option<Vec<DVec2>> {
         let is_away = |cell| space.frame.center_of(cell).distance(from) >= 2.0;
-        FreePaths::new(space, from, blockers)?.to(is_away).map(|(_, path)| path)
+        free_path(space, from, blockers, is_away).map(|(_, path)| path)
     }
 
     #[test]
@@ -261,16 +194,7 @@ mod tests {
                 tip: DVec2::from(hinge) + DVec2::new(0.7, 0.4),
             });
             let blockers = Blockers { discs, leaves: leaves.into_iter().collect() };
-            let found = path_away(&space, from, &blockers);
-            // A search that was continued to another goal finds the same.
-            let mut paths = FreePaths::new(&space, from, &blockers).unwrap();
-            let is_far = |cell| space.frame.center_of(cell).distance(from) >= 4.0;
-            let far = paths.to(is_far);
-            let is_away = |cell| space.frame.center_of(cell).distance(from) >= 2.0;
-            prop_assert_eq!(&paths.to(is_away).map(|(_, path)| path), &found);
-            prop_assert_eq!(paths.to(is_far), far.clone());
-            prop_assert_eq!(FreePaths::new(&space, from, &blockers).unwrap().to(is_far), far);
-            let Some(path) = found else { return Ok(()) };
+            let Some(path) = path_away(&space, from, &blockers) else { return Ok(()) };
             let mut at = from;
             for &corner in path.iter().rev() {
                 prop_assert!(corner.min_element() > 0.24 && corner.max_element() < 7.76);

@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::clearance_index::ClearanceIndex;
 use crate::error::SpecError;
 use crate::geometry::{distance_between_segments, distance_to_segment, split_segment};
-use crate::grid::{GridFrame, SparseBuckets};
+use crate::grid::{CellBuckets, GridFrame};
 use crate::scenario::doors::{DoorShape, Leaf};
 use crate::scenario::person::PERSON_RADIUS;
 use crate::scenario::spec::ScenarioSpec;
@@ -15,11 +15,7 @@ use crate::surface_index::{Ground, SurfaceIndex};
 use crate::world::World;
 
 /// The greatest distance in metres up to which clearances and contacts are known.
-const REACH: f64 = 2.0;
-
-/// The distance in metres up to which solids matter to a person, or to a line of the length [`PIECE`] that a person
-/// walks, from its middle, and a little more.
-const CLOSE: f64 = 0.5 * PIECE + PERSON_RADIUS + 2.0 * CARE;
+pub(in crate::scenario) const REACH: f64 = 2.0;
 
 /// Side of a cell in metres, unless the world is too large for it.
 const CELL: f64 = 0.2;
@@ -38,8 +34,7 @@ const TOUCH: f64 = 0.002;
 /// An upper bound, in metres, of the rounding error of a distance.
 pub(super) const ROUNDING: f64 = 1e-9;
 
-/// An upper bound, in metres, of the error of a cell's clearance that is rounded to `f32`, and of distances in the
-/// largest worlds.
+/// An upper bound, in metres, of the error of a cell's clearance that is rounded to `f32`.
 const CELL_ROUNDING: f64 = 1e-6;
 
 /// Length in metres of the pieces in which lines near solids are examined.
@@ -55,22 +50,6 @@ pub(super) const NEIGHBOURS: [(isize, isize); 8] =
 /// Costs of a step to the side and of a diagonal step; their ratio is nearly that of 1 to the square root of 2.
 pub(super) const COSTS: [u32; 2] = [5, 7];
 
-/// The number of cells of an index per shape: fine ones, since people ask much more often than in trials alone.
-const DENSITY: f64 = 8.0;
-
-/// The number of cells in which a shape is listed at most, on average. In worlds with many shapes it is less, so that
-/// the lists of an index take about 64 MiB, but not less than the second number.
-const LISTINGS: (usize, usize) = (96, 24);
-
-fn listings(shapes: usize) -> usize {
-    ((1 << 24) / shapes.max(1)).clamp(LISTINGS.1, LISTINGS.0)
-}
-
-/// Indexes the solids of a world for queries of people within [`REACH`].
-pub(in crate::scenario) fn index_solids(world: &World) -> Result<ClearanceIndex, SpecError> {
-    ClearanceIndex::with_density(world, REACH, DENSITY, listings(world.solids().count()))
-}
-
 /// The free space of a disc of a person's radius.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeSpace {
@@ -80,14 +59,12 @@ pub(crate) struct FreeSpace {
     /// Clearance at the centre of each cell, at most [`REACH`].
     clearances: Vec<f32>,
     pub(super) index: Arc<ClearanceIndex>,
-    /// The same solids, for questions about what is within [`CLOSE`]: with the shorter lists they are answered sooner.
-    close: ClearanceIndex,
     /// The ground on which people do not walk.
     surfaces: SurfaceIndex,
     /// The leaves of swinging doors in their open position.
     open_leaves: Vec<Leaf>,
     /// For each cell, the leaves within reach.
-    near_leaves: SparseBuckets<u32>,
+    near_leaves: CellBuckets<u32>,
 }
 
 impl FreeSpace {
@@ -102,20 +79,19 @@ impl FreeSpace {
         let open_leaves: Vec<Leaf> =
             doors.iter().filter(|door| door.swings()).flat_map(|door| door.leaves(1.0)).collect();
         let numbers: Vec<u32> = (0..open_leaves.len() as u32).collect();
-        let near_leaves = SparseBuckets::build(&frame, &numbers, |&i, frame, visit| {
+        let near_leaves = CellBuckets::build(&frame, &numbers, None, |&i, frame, visit| {
             let leaf = open_leaves[i as usize];
             let shape =
                 crate::geometry::Shape::thick_segment(leaf.hinge, leaf.tip, 2.0 * REACH, REACH);
             frame.touched_runs(&crate::grid::Convex::Polygon(&shape.corners()), visit);
-        });
+        })
+        .unwrap_or_else(|| unreachable!("there is no limit"));
         let surfaces = SurfaceIndex::of(world, Ground::is_barrier);
-        let close = index.nearer(CLOSE, DENSITY, listings(world.solids().count()));
         let mut space = FreeSpace {
             frame,
             moves: Vec::new(),
             clearances: vec![0.0; frame.len()],
             index,
-            close,
             surfaces,
             open_leaves,
             near_leaves,
@@ -194,7 +170,7 @@ impl FreeSpace {
 
     /// Like [`FreeSpace::is_clear`], but without a margin, and ignoring open leaves, which may close.
     pub(super) fn is_squeezed_clear(&self, a: DVec2, b: DVec2) -> bool {
-        self.close.is_clear_along(a, b, PERSON_RADIUS - TOUCH) && self.is_firm_along(a, b)
+        self.index.is_clear_along(a, b, PERSON_RADIUS - TOUCH) && self.is_firm_along(a, b)
     }
 
     fn is_clear_for(&self, needed: f64, a: DVec2, b: DVec2) -> bool {
@@ -208,7 +184,7 @@ impl FreeSpace {
             along += if is_known { room } else { PIECE };
             let to = at(along);
             let is_clear = is_known
-                || self.close.is_clear_along(from, to, needed)
+                || self.index.is_clear_along(from, to, needed)
                     && self.leaves_are_off(needed, from, to);
             if !is_clear {
                 return false;
@@ -218,19 +194,6 @@ impl FreeSpace {
             }
             from = to;
         }
-    }
-
-    /// [`FreeSpace::is_squeezed_clear`] for the line from the centre of a cell to that of its neighbour in a direction.
-    pub(super) fn is_squeezed_clear_move(
-        &self,
-        cell: usize,
-        direction: usize,
-        (a, b): (DVec2, DVec2),
-    ) -> bool {
-        // Moves keep a greater distance from solids.
-        let is_move = self.moves[cell] & (1 << direction) != 0;
-        (is_move || self.close.is_clear_along(a, b, PERSON_RADIUS - TOUCH))
-            && self.is_firm_along(a, b)
     }
 
     /// Returns a lower bound of the distance from a point to the nearest solid or leaf of an open door, from the
@@ -250,13 +213,8 @@ impl FreeSpace {
         }
         // A cell lists the leaves within reach of it, which is more than half a piece and what is needed.
         split_segment(a, b, REACH).all(|(from, to)| {
-            let middle = from.midpoint(to);
-            let half_size = 0.5 * (to - from).abs() + needed + CELL_ROUNDING;
-            self.leaves_near(middle).all(|Leaf { hinge, tip }| {
-                // Along one of the axes, most are far off.
-                let gap =
-                    (hinge.midpoint(tip) - middle).abs() - 0.5 * (tip - hinge).abs() - half_size;
-                gap.max_element() > 0.0 || distance_between_segments(from, to, hinge, tip) >= needed
+            self.leaves_near(from.midpoint(to)).all(|Leaf { hinge, tip }| {
+                distance_between_segments(from, to, hinge, tip) >= needed
             })
         })
     }
@@ -272,7 +230,7 @@ impl FreeSpace {
     /// Whether a person fits at a point, considering only solids.
     pub(crate) fn fits(&self, p: DVec2) -> bool {
         let is_off_solids =
-            self.clearance_by_cell(p) >= PERSON_RADIUS || self.close.clearance(p) >= PERSON_RADIUS;
+            self.clearance_by_cell(p) >= PERSON_RADIUS || self.index.clearance(p) >= PERSON_RADIUS;
         is_off_solids && self.is_firm(p)
     }
 
@@ -349,7 +307,7 @@ mod tests {
         let world = IndoorSpec::default().generate(Seed(7)).unwrap().to_world();
         let spec = ScenarioSpec { doors: 1.0, ..Default::default() };
         let doors = shapes(&world, &Scenario::new(&world, &spec, Seed(1)).unwrap().doors);
-        let index = Arc::new(index_solids(&world).unwrap());
+        let index = Arc::new(ClearanceIndex::new(&world, REACH).unwrap());
         let space = FreeSpace::new(&world, &doors, index);
         let mut draws = Seed(2).stream("test", 0);
         let size = world.bounds.size();

@@ -20,11 +20,10 @@ const TRIES: u32 = 8;
 const BLOCKED_TRIES: u32 = 32;
 
 impl Crowd {
-    /// Decides what a person does. Returns whether others may decide again in the same tick
-    /// because of it.
-    pub(super) fn choose(&mut self, i: usize, around: &Surroundings<'_>) -> bool {
+    /// Decides what a person does.
+    pub(super) fn choose(&mut self, i: usize, around: &Surroundings<'_>) {
         if !around.robots.is_empty() && self.react(i, around) {
-            return false;
+            return;
         }
         let person = &self.people[i];
         match person.task {
@@ -37,12 +36,10 @@ impl Crowd {
                 if !(is_held_up && self.leave_between_others(i, around)) {
                     self.depart(i, true, around);
                 }
-                return true;
             }
             Task::Walk => {}
             Task::Stand { until } | Task::React { until } => self.rest(i, until, around),
         }
-        false
     }
 
     /// Starts and ends reactions; returns whether the person reacts.

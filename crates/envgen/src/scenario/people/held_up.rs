@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::crowd::{Crowd, DECIDE};
 use super::door_passage::OFF_SWINGS;
-use super::free_path::{Blockers, FreePaths};
+use super::free_path::{Blockers, free_path};
 use super::places::ROOMY;
 use super::surroundings::Surroundings;
 use crate::geometry::{segments_cross, unit_vector};
@@ -104,13 +104,12 @@ impl Crowd {
             found.ok().map(|i| places[i].1)
         };
         let blockers = self.blockers(i, around);
-        let Some(mut paths) = FreePaths::new(space, from, &blockers) else { return false };
-        let to_place = paths.to(|cell| place_of(cell).is_some());
+        let to_place = free_path(space, from, &blockers, |cell| place_of(cell).is_some());
         // Nobody goes where only a gap leads that is too narrow for paths: no path would lead away again.
         let goal = self.people[i].place.map(|place| place as usize);
         let leads_on = |p: DVec2| goal.is_none_or(|goal| routes.begins_near(space, p, goal));
-        let mut aside = |least: f64, is_fit: &dyn Fn(usize) -> bool| {
-            paths.to(|cell| {
+        let aside = |least: f64, is_fit: &dyn Fn(usize) -> bool| {
+            free_path(space, from, &blockers, |cell| {
                 let p = space.frame.center_of(cell);
                 p.distance_squared(from) >= least * least && is_fit(cell) && leads_on(p)
             })
@@ -188,14 +187,11 @@ impl Crowd {
         // In every second stretch of `DECIDE` ticks: who is stopped is asked once in a stretch.
         let is_time = (around.tick / DECIDE + i as u64).is_multiple_of(2);
         if is_time && (is_stopped || !person.aside.is_some_and(is_valid)) {
-            let space = around.space;
-            let is_off_swing = |cell| {
-                space.is_free(cell)
-                    && shape.swing_distance(space.frame.center_of(cell)) >= OFF_SWINGS
-            };
-            let blockers = self.blockers(i, around);
-            let path = FreePaths::new(space, person.position, &blockers)
-                .and_then(|mut paths| paths.to(is_off_swing));
+            let path =
+                free_path(around.space, person.position, &self.blockers(i, around), |cell| {
+                    around.space.is_free(cell)
+                        && shape.swing_distance(around.space.frame.center_of(cell)) >= OFF_SWINGS
+                });
             self.people[i].aside = path.and_then(|(_, path)| path.last().copied());
         }
         self.people[i].aside

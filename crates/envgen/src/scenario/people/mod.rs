@@ -17,11 +17,12 @@ mod sights;
 mod surroundings;
 
 pub(super) use crowd::Crowd;
-pub(super) use free_space::{FreeSpace, index_solids};
+pub(super) use free_space::{FreeSpace, REACH};
 pub(super) use places::find_places;
 pub(super) use routes::Routes;
 pub(super) use surroundings::{Surroundings, ZONE};
 
+use crate::clearance_index::ClearanceIndex;
 use crate::distribution::standard_normal;
 use crate::error::SpecError;
 use crate::placement::pose_of_most_clearance;
@@ -42,7 +43,7 @@ pub(super) fn place_people(
     if needed == 0 {
         return Ok(Vec::new());
     }
-    let index = Arc::new(index_solids(world)?);
+    let index = Arc::new(ClearanceIndex::new(world, REACH)?);
     let space = FreeSpace::new(world, doors, index);
     // Without a start, robots of this project's programs start where there is most room.
     let in_the_open = || pose_of_most_clearance(world).ok().flatten();

@@ -26,13 +26,15 @@ impl Crowd {
         }
     }
 
-    /// Moves a quiet person who walks.
+    /// Moves a quiet person.
     #[inline]
     pub(super) fn cruise(&mut self, i: usize, around: &Surroundings<'_>) {
         let person = &mut self.people[i];
-        person.position += person.velocity * TICK;
-        person.steps_left -= 1;
-        person.note_progress(around.people[i].speed, around.tick);
+        if person.velocity != DVec2::ZERO {
+            person.position += person.velocity * TICK;
+            person.steps_left -= 1;
+            person.note_progress(around.people[i].speed, around.tick);
+        }
     }
 
     /// Makes the people who walk near a person look again from a tick on, because what they expect of the person

@@ -44,56 +44,9 @@ struct Tree {
     cols: usize,
     rows: usize,
     steps: Vec<u8>,
-    /// All paths share these corners; only the part before its first corner is new in each path.
-    corners: Mutex<Corners>,
-}
-
-/// The corners of the paths to a place so far. Corners that were found one after another are so in memory.
-#[derive(Debug, Default)]
-struct Corners {
-    /// For each cell of the window that is a corner, its number.
-    numbers: BTreeMap<usize, u32>,
-    all: Vec<Corner>,
-}
-
-/// A corner of paths.
-#[derive(Clone, Copy, Debug)]
-struct Corner {
-    /// The centre of its cell.
-    position: DVec2,
-    /// Index of its cell in the window.
-    cell: usize,
-    /// The corner after it, if it is known; the place is its own next corner.
-    next: Option<u32>,
-}
-
-impl Corners {
-    /// Returns the number of the corner in a cell of a tree, which is added if it is new.
-    fn number(&mut self, cell: usize, tree: &Tree, space: &FreeSpace) -> u32 {
-        *self.numbers.entry(cell).or_insert_with(|| {
-            self.all.push(Corner { position: tree.center(space, cell), cell, next: None });
-            self.all.len() as u32 - 1
-        })
-    }
-
-    /// Returns the number of the corner after another one, or the number of that one at the place; `None` if no path
-    /// leads from it to the place.
-    fn after(&mut self, corner: u32, tree: &Tree, space: &FreeSpace) -> Option<u32> {
-        let Corner { position, cell, next } = self.all[corner as usize];
-        if next.is_some() {
-            return next;
-        }
-        let next = match tree.next(cell)? {
-            Some(next) => {
-                let cells = tree.straight_on(cell, next);
-                let seen = tree.farthest_seen(space, position, cells)?;
-                self.number(seen, tree, space)
-            }
-            None => corner,
-        };
-        self.all[corner as usize].next = Some(next);
-        Some(next)
-    }
+    /// For each cell of the window that is a corner of a path so far, the next corner after it. All paths share
+    /// these corners; only the part before its first corner is new in each path.
+    corners: Mutex<BTreeMap<usize, usize>>,
 }
 
 impl Routes {
@@ -128,28 +81,29 @@ impl Routes {
         let is_at_middle = space.frame.center_of(here).distance_squared(from) < ROUNDING * ROUNDING;
         let mut path = Vec::new();
         // Most who depart are at a place, which is the middle of a cell, and so a corner.
-        let first = if is_at_middle && tree.is_reached(space, here) {
+        let mut corner = if is_at_middle && tree.is_reached(space, here) {
             tree.index(space, here)?
         } else {
             let first = self.entry(space, tree, from)?;
             if space.is_clear_from(from, goal) {
                 return Some(vec![goal]);
             }
-            let first = tree.farthest_seen(space, from, vec![tree.index(space, first)?])?;
-            path.push(tree.center(space, first));
-            first
+            let corner = tree.farthest_seen(space, from, vec![tree.index(space, first)?])?;
+            path.push(tree.center(space, corner));
+            corner
         };
-        // Most paths have at most so many corners.
-        path.reserve(16);
-        let mut corners = tree.corners.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut corner = corners.number(first, tree, space);
-        loop {
-            let next = corners.after(corner, tree, space)?;
-            if next == corner {
-                break;
-            }
-            corner = next;
-            path.push(corners.all[corner as usize].position);
+        let mut known = tree.corners.lock().unwrap_or_else(PoisonError::into_inner);
+        while let Some(next) = tree.next(corner)? {
+            corner = match known.get(&corner) {
+                Some(&seen) => seen,
+                None => {
+                    let cells = tree.straight_on(corner, next);
+                    let seen = tree.farthest_seen(space, tree.center(space, corner), cells)?;
+                    known.insert(corner, seen);
+                    seen
+                }
+            };
+            path.push(tree.center(space, corner));
         }
         path.reverse();
         Some(if path.is_empty() { vec![goal] } else { path })
@@ -366,14 +320,15 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::clearance_index::ClearanceIndex;
     use crate::indoor::IndoorSpec;
-    use crate::scenario::people::index_solids;
+    use crate::scenario::people::REACH;
     use crate::{Blueprint, Seed, Spec};
 
     #[test]
     fn what_lies_straight_on_is_in_sight() {
         let world = IndoorSpec::default().generate(Seed(3)).unwrap().to_world();
-        let index = Arc::new(index_solids(&world).unwrap());
+        let index = Arc::new(ClearanceIndex::new(&world, REACH).unwrap());
         let space = FreeSpace::new(&world, &[], index);
         let free: Vec<usize> = (0..space.frame.len()).filter(|&cell| space.is_free(cell)).collect();
         let mut farthest = 0;

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::free_space::FreeSpace;
 use super::routes::Routes;
-use crate::grid::SparseBuckets;
+use crate::grid::CellBuckets;
 use crate::raycast::Raycaster;
 use crate::scenario::ScenarioSpec;
 use crate::scenario::doors::{DoorShape, DoorState};
@@ -22,9 +22,9 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) rays: &'a Raycaster,
     pub(crate) shapes: &'a [DoorShape],
     /// For each cell of the free space, the doors near it.
-    pub(crate) door_zones: &'a SparseBuckets<u32>,
+    pub(crate) door_zones: &'a CellBuckets<u32>,
     /// The same for the points to which a person can go before the lists of neighbours are rebuilt.
-    pub(crate) near_doors: &'a SparseBuckets<u32>,
+    pub(crate) near_doors: &'a CellBuckets<u32>,
     pub(crate) people: &'a [Person],
     pub(crate) spec: &'a ScenarioSpec,
     pub(crate) seed: Seed,
@@ -70,7 +70,7 @@ impl Surroundings<'_> {
 
     /// Returns the doors of the cell at a point.
     #[inline]
-    pub(super) fn at<'a>(&self, doors: &'a SparseBuckets<u32>, p: DVec2) -> &'a [u32] {
+    pub(super) fn at<'a>(&self, doors: &'a CellBuckets<u32>, p: DVec2) -> &'a [u32] {
         if self.shapes.is_empty() {
             return &[];
         }
