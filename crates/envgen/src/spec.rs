@@ -379,12 +379,8 @@ impl WorldSpec {
     pub fn from_provenance(provenance: &Provenance) -> Result<Self, SettingsError> {
         let kind: WorldKind = provenance.kind.parse()?;
         kind.spec_from_json(provenance.spec.clone()).map_err(|error| {
-            SpecError::new(
-                "spec",
-                &provenance.spec,
-                format!("settings of the kind {kind}: {error}"),
-            )
-            .into()
+            let allowed = format!("settings of the kind {kind}: {error}");
+            SpecError::new("spec", &provenance.spec, allowed).into()
         })
     }
 }
