@@ -4,7 +4,7 @@ use std::io::Read;
 
 use glam::DVec2;
 
-use super::raster::{ImportedRaster, RasterFileError, check_size};
+use super::raster::{CellValues, ImportedRaster, RasterFileError, check_size};
 use crate::file;
 
 /// The default no-data value, if the header does not give one.
@@ -76,7 +76,7 @@ pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
         return Err(wrong(at, format!("`cellsize` must be positive, got {cell}")));
     }
     check_size(rows, cols)?;
-    let mut values = Vec::new();
+    let mut values = CellValues::default();
     for (number, line) in lines {
         for word in line.split_ascii_whitespace() {
             let value: f64 = word
@@ -88,16 +88,15 @@ pub fn read_asc(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
                 Some(value as i64)
             } else {
                 return Err(wrong(number, format!("expected a whole number, got `{word}`")));
-            });
+            })?;
         }
-        // Values beyond the number in the header are counted, but not kept.
-        if values.len() as u64 > rows * cols {
+        if values.len() > rows * cols {
             break;
         }
     }
     let shift = |centred: bool| if centred { 0.5 * cell } else { 0.0 };
     let origin = DVec2::new(x - shift(centred[0]), y - shift(centred[1]));
-    ImportedRaster::new(rows, cols, cell, origin, &values)
+    ImportedRaster::new(rows, cols, cell, origin, values)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::io::Read;
 use glam::DVec2;
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
-use super::raster::{ImportedRaster, RasterFileError, check_size};
+use super::raster::{CellValues, ImportedRaster, RasterFileError, check_size};
 use crate::export::class_png::CELL_KEY;
 use crate::file::{self, PICTURE_KEY};
 
@@ -45,7 +45,7 @@ pub fn read_class_png(input: &mut dyn Read) -> Result<ImportedRaster, RasterFile
     let samples = color.samples();
     let bits = depth as usize;
     let line = (cols as usize * samples * bits).div_ceil(8);
-    let mut values = Vec::with_capacity((rows * cols) as usize);
+    let mut values = CellValues::with_capacity((rows * cols) as usize);
     for row in data.chunks_exact(line) {
         let sample = |i: usize| match depth {
             BitDepth::Sixteen => i64::from(u16::from_be_bytes([row[2 * i], row[2 * i + 1]])),
@@ -57,10 +57,10 @@ pub fn read_class_png(input: &mut dyn Read) -> Result<ImportedRaster, RasterFile
             }
         };
         for c in 0..cols as usize {
-            values.push(pixel(color, bits, clear, |k| sample(c * samples + k)));
+            values.push(pixel(color, bits, clear, |k| sample(c * samples + k)))?;
         }
     }
-    ImportedRaster::new(rows, cols, cell, DVec2::ZERO, &values)
+    ImportedRaster::new(rows, cols, cell, DVec2::ZERO, values)
 }
 
 /// Returns the class of a pixel with the given samples; `None` if it is transparent.

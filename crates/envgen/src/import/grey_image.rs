@@ -75,18 +75,22 @@ pub(super) struct Shade {
     pub(super) alpha: Option<f64>,
 }
 
-/// The pixels of an image, row by row from the top.
+/// What the pixels of an image stand for, row by row from the top.
 #[derive(Debug)]
-pub(super) struct GreyImage {
+pub(super) struct GreyImage<T> {
     pub(super) cols: usize,
-    pub(super) shades: Vec<Shade>,
+    pub(super) pixels: Vec<T>,
 }
 
-/// Reads an image in the format that its first bytes indicate.
-pub(super) fn read_image(bytes: &[u8]) -> Result<GreyImage, ImageError> {
+/// Reads an image in the format that its first bytes indicate. `of` converts each shade at once, since a shade
+/// takes much more memory than what most readers make of it.
+pub(super) fn read_image<T>(
+    bytes: &[u8],
+    of: impl Fn(Shade) -> T,
+) -> Result<GreyImage<T>, ImageError> {
     match bytes {
-        [b'P', kind @ (b'2' | b'5'), rest @ ..] => read_pgm(*kind == b'5', rest),
-        [0x89, b'P', b'N', b'G', ..] => read_png(bytes),
+        [b'P', kind @ (b'2' | b'5'), rest @ ..] => read_pgm(*kind == b'5', rest, of),
+        [0x89, b'P', b'N', b'G', ..] => read_png(bytes, of),
         _ => Err(ImageError::Format),
     }
 }
@@ -98,7 +102,11 @@ fn check_size(width: u64, height: u64) -> Result<(), ImageError> {
     }
 }
 
-fn read_pgm(binary: bool, bytes: &[u8]) -> Result<GreyImage, ImageError> {
+fn read_pgm<T>(
+    binary: bool,
+    bytes: &[u8],
+    of: impl Fn(Shade) -> T,
+) -> Result<GreyImage<T>, ImageError> {
     let mut rest = bytes;
     let mut number = |field, allowed: &str| {
         let word = next_word(&mut rest);
@@ -116,13 +124,13 @@ fn read_pgm(binary: bool, bytes: &[u8]) -> Result<GreyImage, ImageError> {
         return Err(ImageError::Header { field, value, allowed: allowed.to_owned() });
     }
     let (pixels, greatest) = (width * height, greatest as u32);
-    let shade = |pixel: u64, value: u32| {
+    let pixel_of = |pixel: u64, value: u32| {
         if value > greatest {
             return Err(ImageError::Value { pixel, value: value.to_string(), greatest });
         }
-        Ok(Shade { colour: f64::from(value) / f64::from(greatest), alpha: None })
+        Ok(of(Shade { colour: f64::from(value) / f64::from(greatest), alpha: None }))
     };
-    let shades: Result<Vec<Shade>, ImageError> = if binary {
+    let converted: Result<Vec<T>, ImageError> = if binary {
         // One white space ends the header; anything after it is a pixel.
         let data = rest.get(1..).unwrap_or_default();
         let wide = if greatest > 255 { 2 } else { 1 };
@@ -133,11 +141,11 @@ fn read_pgm(binary: bool, bytes: &[u8]) -> Result<GreyImage, ImageError> {
         }
         let value = |bytes: &[u8]| bytes.iter().fold(0, |v, &byte| v << 8 | u32::from(byte));
         let data = data[..expected as usize].chunks_exact(wide as usize);
-        (0..).zip(data).map(|(pixel, bytes)| shade(pixel, value(bytes))).collect()
+        (0..).zip(data).map(|(pixel, bytes)| pixel_of(pixel, value(bytes))).collect()
     } else {
         // At least a digit and a space each: a false header allocates nothing.
         let most = (rest.len() as u64).min(pixels);
-        let mut shades = Vec::with_capacity(most as usize);
+        let mut converted = Vec::with_capacity(most as usize);
         let mut found = 0;
         loop {
             let word = next_word(&mut rest);
@@ -151,16 +159,16 @@ fn read_pgm(binary: bool, bytes: &[u8]) -> Result<GreyImage, ImageError> {
                     value: text.clone().into_owned(),
                     greatest,
                 })?;
-                shades.push(shade(found, value)?);
+                converted.push(pixel_of(found, value)?);
             }
             found += 1;
         }
         if found != pixels {
             return Err(ImageError::Length { expected: pixels, found, unit: "numbers" });
         }
-        Ok(shades)
+        Ok(converted)
     };
-    Ok(GreyImage { cols: width as usize, shades: shades? })
+    Ok(GreyImage { cols: width as usize, pixels: converted? })
 }
 
 /// Returns the next word, skipping white space and comments before it; empty at the end.
@@ -181,7 +189,7 @@ fn next_word<'a>(rest: &mut &'a [u8]) -> &'a [u8] {
     word
 }
 
-fn read_png(bytes: &[u8]) -> Result<GreyImage, ImageError> {
+fn read_png<T>(bytes: &[u8], of: impl Fn(Shade) -> T) -> Result<GreyImage<T>, ImageError> {
     let mut decoder = Decoder::new(std::io::Cursor::new(bytes));
     // Palettes, few bits and transparent colours become plain 8 bits; 16 bits stay.
     decoder.set_transformations(Transformations::EXPAND);
@@ -211,9 +219,8 @@ fn read_png(bytes: &[u8]) -> Result<GreyImage, ImageError> {
         let colour = colours.chunks_exact(bytes).map(value).sum::<f64>() / count;
         Shade { colour, alpha: alpha.chunks_exact(bytes).next().map(value) }
     };
-    let pixels = (width * height) as usize;
-    let shades = data.chunks_exact(samples * bytes).take(pixels).map(shade).collect();
-    Ok(GreyImage { cols: width as usize, shades })
+    let pixels = data.chunks_exact(samples * bytes).take((width * height) as usize);
+    Ok(GreyImage { cols: width as usize, pixels: pixels.map(|pixel| of(shade(pixel))).collect() })
 }
 
 #[cfg(test)]
@@ -221,8 +228,8 @@ mod tests {
     use super::*;
 
     fn greys(bytes: &[u8]) -> Result<Vec<u16>, String> {
-        let image = read_image(bytes).map_err(|error| error.to_string())?;
-        Ok(image.shades.iter().map(|shade| (shade.colour * 1000.0).round() as u16).collect())
+        let grey = |shade: Shade| (shade.colour * 1000.0).round() as u16;
+        read_image(bytes, grey).map(|image| image.pixels).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -280,13 +287,13 @@ mod tests {
         let pixels = [255, 255, 0, 0, 0, 0, 255, 255, 0, 3, 0, 0, 0, 0, 0, 0];
         writer.write_image_data(&pixels).unwrap();
         writer.finish().unwrap();
-        let image = read_image(&file).unwrap();
-        assert_eq!(image.shades[0], Shade { colour: 1.0 / 3.0, alpha: Some(1.0) });
-        assert_eq!(image.shades[1], Shade { colour: 1.0 / 65535.0, alpha: Some(0.0) });
+        let image = read_image(&file, |shade| shade).unwrap();
+        assert_eq!(image.pixels[0], Shade { colour: 1.0 / 3.0, alpha: Some(1.0) });
+        assert_eq!(image.pixels[1], Shade { colour: 1.0 / 65535.0, alpha: Some(0.0) });
         for end in 0..file.len() - 12 {
-            assert!(read_image(&file[..end]).is_err(), "{end} bytes");
+            assert!(read_image(&file[..end], |_| ()).is_err(), "{end} bytes");
         }
         file[16..24].copy_from_slice(&[0x3b, 0x9a, 0xca, 0, 0x3b, 0x9a, 0xca, 0]);
-        assert!(read_image(&file).is_err());
+        assert!(read_image(&file, |_| ()).is_err());
     }
 }

@@ -4,7 +4,7 @@ use std::io::Read;
 
 use glam::DVec2;
 
-use super::raster::{ImportedRaster, RasterFileError, check_size};
+use super::raster::{CellValues, ImportedRaster, RasterFileError, check_size};
 use crate::export::movingai::Scenario;
 use crate::file;
 
@@ -39,7 +39,10 @@ pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
         };
         let mut words = line.split_whitespace();
         let (key, word) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
-        let size = || word.parse::<u64>().map_err(|_| wrong(number, format!("`{line}`")));
+        let size = || {
+            let wrong = || wrong(number, format!("`{key}` must be a whole number, got `{word}`"));
+            word.parse::<u64>().map_err(|_| wrong())
+        };
         match key {
             "type" => {}
             "height" => height = Some(size()?),
@@ -52,9 +55,9 @@ pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
     let rows = height.ok_or_else(|| missing("height"))?;
     let cols = width.ok_or_else(|| missing("width"))?;
     check_size(rows, cols)?;
-    let mut values = Vec::new();
+    let mut values = CellValues::default();
     for (number, line) in lines {
-        if line.is_empty() && values.len() as u64 == rows * cols {
+        if line.is_empty() && values.len() == rows * cols {
             continue;
         }
         let before = values.len();
@@ -64,17 +67,17 @@ pub fn read_map(input: &mut dyn Read) -> Result<ImportedRaster, RasterFileError>
                 let terrains: String = TERRAIN.iter().map(|terrain| terrain.0).collect();
                 wrong(number, format!("a terrain must be one of {terrains}, got `{letter}`"))
             })?;
-            values.push(Some(class.0));
+            values.push(Some(class.0))?;
         }
-        let found = (values.len() - before) as u64;
+        let found = values.len() - before;
         if found != cols {
             return Err(wrong(number, format!("the row must have {cols} cells, got {found}")));
         }
-        if values.len() as u64 > rows * cols {
+        if values.len() > rows * cols {
             break;
         }
     }
-    let mut read = ImportedRaster::new(rows, cols, 1.0, DVec2::ZERO, &values)?;
+    let mut read = ImportedRaster::new(rows, cols, 1.0, DVec2::ZERO, values)?;
     read.raster.speeds = [0.0].into_iter().chain(TERRAIN.map(|terrain| terrain.1)).collect();
     Ok(read)
 }
@@ -146,7 +149,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_named() {
         for (from, to, what) in [
-            ("height 2", "height two", "line 2"),
+            ("height 2", "height two", "line 2: `height` must be a whole number, got `two`"),
             ("height 2\n", "", "no line `height`"),
             ("height 2", "height 3", "values for 3 rows of 4 cells, got 8"),
             ("height 2", "height 1", "values for 1 rows of 4 cells, got 8"),

@@ -1,6 +1,7 @@
 //! Rasters of classes from ESRI ASCII grids, PNG images, JSON and MovingAI maps.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::io::Read;
 
 use glam::DVec2;
@@ -51,8 +52,8 @@ pub enum RasterFileError {
         found: u64,
     },
     /// There are too many classes.
-    #[error("the raster must have at most 65535 different values, got {0}")]
-    Classes(usize),
+    #[error("the raster must have at most 65535 different values, got more")]
+    Classes,
     /// The JSON has another structure.
     #[error("not the JSON of a landscape, of a world with a raster, or of a list of rows: {0}")]
     Json(serde_json::Error),
@@ -80,34 +81,74 @@ pub struct ImportedRaster {
     pub labels: Option<Vec<i64>>,
 }
 
+/// The values of a file's cells, each of which is kept as a number of two bytes.
+#[derive(Debug, Default)]
+pub(super) struct CellValues {
+    /// The number of each cell's value; 0 is no data.
+    cells: Vec<u16>,
+    /// The numbers of the values, from 1 on in the order in which they were added.
+    numbers: BTreeMap<i64, u16>,
+    /// The value that was added last, with its number: in most cases the next is the same.
+    last: Option<(i64, u16)>,
+}
+
+impl CellValues {
+    pub(super) fn with_capacity(cells: usize) -> Self {
+        CellValues { cells: Vec::with_capacity(cells), ..CellValues::default() }
+    }
+
+    /// Adds the value of the next cell; `None` is no data.
+    pub(super) fn push(&mut self, value: Option<i64>) -> Result<(), RasterFileError> {
+        let number = match (value, self.last) {
+            (None, _) => 0,
+            (Some(value), Some((last, number))) if value == last => number,
+            (Some(value), _) => {
+                let next = u16::try_from(self.numbers.len() + 1);
+                let number = match self.numbers.entry(value) {
+                    Entry::Occupied(known) => *known.get(),
+                    Entry::Vacant(new) => *new.insert(next.map_err(|_| RasterFileError::Classes)?),
+                };
+                self.last = Some((value, number));
+                number
+            }
+        };
+        self.cells.push(number);
+        Ok(())
+    }
+
+    /// The number of cells.
+    pub(super) fn len(&self) -> u64 {
+        self.cells.len() as u64
+    }
+
+    /// The classes of the cells, and the values of the classes if they are not class numbers.
+    fn into_classes(self) -> (Vec<u16>, Option<Vec<i64>>) {
+        let CellValues { mut cells, numbers, .. } = self;
+        let are_classes = numbers.keys().all(|value| (1..=65_535).contains(value));
+        let mut classes = vec![0; numbers.len() + 1];
+        for (class, (&value, &number)) in (1..).zip(&numbers) {
+            classes[usize::from(number)] = if are_classes { value as u16 } else { class };
+        }
+        for cell in &mut cells {
+            *cell = classes[usize::from(*cell)];
+        }
+        (cells, (!are_classes).then(|| numbers.into_keys().collect()))
+    }
+}
+
 impl ImportedRaster {
-    /// Creates a raster from the file's values; `None` is no data.
     pub(super) fn new(
         rows: u64,
         cols: u64,
         cell: f64,
         origin: DVec2,
-        values: &[Option<i64>],
+        values: CellValues,
     ) -> Result<Self, RasterFileError> {
         check_size(rows, cols)?;
-        if values.len() as u64 != rows * cols {
-            return Err(RasterFileError::Values { rows, cols, found: values.len() as u64 });
+        if values.len() != rows * cols {
+            return Err(RasterFileError::Values { rows, cols, found: values.len() });
         }
-        let fits = |value: i64| (1..=65_535).contains(&value);
-        let (cells, labels) = if values.iter().flatten().all(|&value| fits(value)) {
-            (values.iter().map(|value| value.map_or(0, |value| value as u16)).collect(), None)
-        } else {
-            let labels: BTreeSet<i64> = values.iter().flatten().copied().collect();
-            if labels.len() > 65_535 {
-                return Err(RasterFileError::Classes(labels.len()));
-            }
-            let labels: Vec<i64> = labels.into_iter().collect();
-            let number = |value: &Option<i64>| {
-                let place = value.and_then(|value| labels.binary_search(&value).ok());
-                place.map_or(0, |place| place as u16 + 1)
-            };
-            (values.iter().map(number).collect(), Some(labels))
-        };
+        let (cells, labels) = values.into_classes();
         let (rows, cols, speeds) = (rows as u32, cols as u32, Vec::new());
         Ok(ImportedRaster {
             raster: ClassRaster { rows, cols, cell, origin, cells, speeds },
@@ -126,10 +167,21 @@ pub(super) fn check_size(rows: u64, cols: u64) -> Result<(), RasterFileError> {
 /// Any JSON that contains a raster: a landscape's blueprint, a line of `envgen sample`, or a world.
 #[derive(Deserialize)]
 struct Document {
-    cells: Option<Vec<Vec<Option<i64>>>>,
+    cells: Option<Vec<Vec<CellValue>>>,
     cell: Option<f64>,
     raster: Option<ClassRaster>,
     blueprint: Option<Box<Document>>,
+}
+
+/// The value of a cell; 0 is no data.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(from = "Option<i64>")]
+struct CellValue(i64);
+
+impl From<Option<i64>> for CellValue {
+    fn from(value: Option<i64>) -> Self {
+        CellValue(value.unwrap_or(0))
+    }
 }
 
 /// Reads the raster of a landscape's JSON, of a line of `envgen sample`, of a world, or of a plain list of rows. 0
@@ -159,21 +211,23 @@ pub fn read_raster_json(input: &mut dyn Read) -> Result<ImportedRaster, RasterFi
     let lines = document.cells.ok_or(RasterFileError::NoCells)?;
     let (rows, cols) = (lines.len() as u64, lines.first().map_or(0, Vec::len) as u64);
     check_size(rows, cols)?;
-    let mut values = Vec::with_capacity(lines.iter().map(Vec::len).sum());
+    let mut values = CellValues::with_capacity(lines.iter().map(Vec::len).sum());
     for (line, row) in (1..).zip(&lines) {
         if row.len() as u64 != cols {
             let what =
                 format!("row {line} must have {cols} cells as the first has, got {}", row.len());
             return Err(RasterFileError::Line { line, what });
         }
-        values.extend(row.iter().map(|value| value.filter(|&value| value != 0)));
+        for &CellValue(value) in row {
+            values.push((value != 0).then_some(value))?;
+        }
     }
     let cell = document.cell.unwrap_or(1.0);
     if !(cell.is_finite() && cell > 0.0) {
         let what = format!("the side of a cell must be positive, got {cell} m");
         return Err(RasterFileError::Line { line: 1, what });
     }
-    ImportedRaster::new(rows, cols, cell, DVec2::ZERO, &values)
+    ImportedRaster::new(rows, cols, cell, DVec2::ZERO, values)
 }
 
 #[cfg(test)]
@@ -196,6 +250,22 @@ mod tests {
         let codes = read("[[-3, 100000, 0, 5]]").unwrap();
         assert_eq!(codes.raster.cells, [1, 3, 0, 2]);
         assert_eq!(codes.labels, Some(vec![-3, 5, 100_000]));
+    }
+
+    #[test]
+    fn as_many_values_as_classes_are_read() {
+        let mut values = CellValues::default();
+        for value in (1..=65_535).rev() {
+            values.push(Some(value - 1)).unwrap();
+        }
+        values.push(None).unwrap();
+        values.push(Some(7)).unwrap();
+        assert!(matches!(values.push(Some(-1)), Err(RasterFileError::Classes)));
+        let read = ImportedRaster::new(1, 65_537, 1.0, DVec2::ZERO, values).unwrap();
+        // Values are in order, and class k has value k - 1, since a value is 0.
+        assert_eq!(read.raster.cells[..2], [65_535, 65_534]);
+        assert_eq!(read.raster.cells[65_534..], [1, 0, 8]);
+        assert_eq!(read.labels.unwrap()[..3], [0, 1, 2]);
     }
 
     #[test]

@@ -188,9 +188,8 @@ impl RosDescription {
     /// # Errors
     /// When the image is invalid, or when it has too many pixels.
     pub fn map(&self, image: &[u8]) -> Result<RosMap, ImageError> {
-        let image = read_image(image)?;
-        let rows = image.shades.chunks_exact(image.cols).rev();
-        let cells = rows.flatten().map(|shade| self.cell(shade)).collect();
+        let image = read_image(image, |shade| self.cell(&shade))?;
+        let cells = image.pixels.chunks_exact(image.cols).rev().flatten().copied().collect();
         let [x, y, heading] = self.origin;
         let origin = Pose::new(x, y, heading);
         Ok(RosMap { cols: image.cols, resolution: self.resolution, origin, cells })
@@ -244,8 +243,8 @@ impl RosMap {
     /// unknown, too: where the border of the map is open, obstacles one cell wide close it, within the world's
     /// bounds.
     ///
-    /// The world's start is the point of greatest clearance in the largest free region, heading along the map's
-    /// rows. There is no start if no cell is free. Another start can be set in [`World::start`].
+    /// The world's start is the point of greatest clearance in the largest free region, by
+    /// [`max_clearance_point`](crate::placement::max_clearance_point), heading along the map's rows. There is no start if no cell is free. Another start can be set in [`World::start`].
     pub fn to_world(&self, unknown: UnknownCells) -> World {
         let is_solid = |cell: &RosCell| match cell {
             RosCell::Occupied => true,
