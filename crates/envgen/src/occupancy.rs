@@ -115,8 +115,8 @@ pub(crate) fn size_in_cells(
 }
 
 impl OccupancyGrid {
-    /// Creates the grid over a world's bounds. It takes at most one step per cell, and one per row that a part
-    /// crosses.
+    /// Creates the grid over a world's bounds. It takes at most one step per cell, and one per row that an edge of a
+    /// part crosses, besides the sorting of edges and crossings.
     ///
     /// # Errors
     /// When the resolution is not positive, or gives more than [`MAX_CELLS`] cells, or when the area is not finite or
@@ -267,20 +267,23 @@ impl OccupancyGrid {
     }
 
     fn occupy_polygon_centres(&mut self, vertices: &[DVec2], bounds: Rect) {
-        let mut crossings = Vec::new();
+        // Rows are visited upwards, each with only the edges that cross it.
+        let low = |(a, b): &(DVec2, DVec2)| a.y.min(b.y);
+        let mut waiting: Vec<(DVec2, DVec2)> = edges(vertices).collect();
+        waiting.sort_unstable_by(|one, other| low(other).total_cmp(&low(one)));
+        let (mut active, mut crossings) = (Vec::new(), Vec::new());
         self.occupy_centres(bounds, |y, runs| {
+            active.extend(std::iter::from_fn(|| waiting.pop_if(|edge| low(edge) <= y)));
+            active.retain(|(a, b)| (a.y > y) != (b.y > y));
             crossings.clear();
-            crossings.extend(
-                edges(vertices)
-                    .filter(|(a, b)| (a.y > y) != (b.y > y))
-                    .map(|(a, b)| a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y)),
-            );
-            crossings.sort_by(f64::total_cmp);
+            crossings
+                .extend(active.iter().map(|(a, b)| a.x + (b.x - a.x) * (y - a.y) / (b.y - a.y)));
+            crossings.sort_unstable_by(f64::total_cmp);
             runs.extend(crossings.chunks_exact(2).map(|pair| (pair[0], pair[1])));
         });
     }
 
-    /// Occupies the cells whose centres lie in the intervals of x that `runs_at` gives for a y.
+    /// Occupies the cells whose centres lie in the intervals of x that `runs_at` gives for a y, row by row upwards.
     fn occupy_centres(&mut self, bounds: Rect, mut runs_at: impl FnMut(f64, &mut Vec<(f64, f64)>)) {
         let GridFrame { origin, cell_size: side, cols, rows } = self.frame;
         let (low, high) = (bounds.min.y - origin.y, bounds.max.y - origin.y);
