@@ -8,6 +8,7 @@ use clap::Parser;
 use envgen::edit::Document;
 use envgen::indoor::{Catalogue, IndoorSpec};
 use envgen::located::Locate;
+use envgen::settings::{Assignment, assignments};
 use envgen::{Seed, WorldKind, WorldSpec, import};
 
 use crate::saving::FOLDER;
@@ -122,13 +123,11 @@ impl Arguments {
     }
 
     fn set(&self, spec: &mut WorldSpec) -> Result<(), Box<dyn Error>> {
-        for setting in &self.settings {
-            let (name, value) = setting
-                .split_once('=')
-                .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
-            spec.set(name.trim(), value).in_option("--set", setting)?;
+        let settings = assignments("--set", &self.settings, spec.kind().settings())?;
+        for Assignment { name, value, text } in settings {
+            spec.set(name, value).in_option("--set", text)?;
             if let WorldSpec::Indoor(indoor) = spec {
-                indoor.fix(name.trim());
+                indoor.fix(name);
             }
         }
         Ok(())

@@ -8,6 +8,7 @@ use envgen::geometry::Pose;
 use envgen::indoor::{IndoorSpec, Profile};
 use envgen::located::Locate;
 use envgen::scenario::{Scenario, ScenarioState};
+use envgen::text_file;
 use envgen::whole_file::{WholeFile, refuse_inputs};
 use envgen::{Blueprint, Seed, Spec, World, import};
 use mapping_trial::mappable_area::MappableArea;
@@ -195,7 +196,7 @@ impl Arguments {
         start: Option<Pose>,
     ) -> Result<Option<Scenario>, Box<dyn Error>> {
         if let Some(path) = &self.scenario {
-            let text = std::fs::read_to_string(path).in_file(path)?;
+            let text = text_file::read(path).in_file(path)?;
             let scenario = Scenario::from_ron(&text).in_file(path)?;
             ScenarioState::new(world, &scenario).in_file(path)?;
             return Ok(Some(scenario));
@@ -220,9 +221,10 @@ impl Arguments {
         worlds.flat_map(|path| import::input_files(path)).chain(others).collect()
     }
 
-    /// Returns the bag for ROS 2, which is begun before the trial; `None` if none is requested.
-    pub(crate) fn bag(&self) -> Result<Option<Bag>, Box<dyn Error>> {
-        self.log.as_deref().map(|path| Bag::begin(path, &self.inputs())).transpose()
+    /// Returns the bag for ROS 2 of a trial with a number of robots, which is begun before the trial; `None`
+    /// if none is requested.
+    pub(crate) fn bag(&self, robots: u32) -> Result<Option<Bag>, Box<dyn Error>> {
+        self.log.as_deref().map(|path| Bag::begin(path, &self.inputs(), robots)).transpose()
     }
 
     /// Checks that every output file can be written, and that none is an input.

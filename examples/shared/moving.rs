@@ -2,21 +2,16 @@
 
 use std::error::Error;
 
+use envgen::located::Locate;
 use envgen::scenario::ScenarioSpec;
+use envgen::settings::{Assignment, assignments};
 
 /// Returns the scenario for settings such as `doors=0.5`.
 pub(crate) fn spec(settings: &[String]) -> Result<ScenarioSpec, Box<dyn Error>> {
-    let (mut spec, mut names) = (ScenarioSpec::default(), Vec::new());
-    for setting in settings {
-        let (name, value) = setting
-            .split_once('=')
-            .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
-        let name = name.trim();
-        if names.contains(&name) {
-            return Err(format!("--set {setting}: `{name}` is set twice").into());
-        }
-        names.push(name);
-        spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
+    let mut spec = ScenarioSpec::default();
+    for Assignment { name, value, text } in assignments("--set", settings, ScenarioSpec::SETTINGS)?
+    {
+        spec.set(name, value).in_option("--set", text)?;
     }
     Ok(spec)
 }

@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::Path;
 
 use envgen::located::Locate;
+use envgen::text_file;
 use envgen::{WorldKind, WorldSpec};
 
 /// Reads the spec from a file whose name ends with `.ron`; `None` for any other file, and for a file
@@ -13,7 +14,7 @@ pub(crate) fn read(path: &Path) -> Result<Option<WorldSpec>, Box<dyn Error>> {
     if !name.ends_with(".ron") {
         return Ok(None);
     }
-    let text = std::fs::read_to_string(path).in_file(path)?;
+    let text = text_file::read(path).in_file(path)?;
     match WorldSpec::from_ron(&text) {
         Ok(spec) => Ok(Some(spec)),
         Err(error) if name.ends_with(".envgen.ron") || is_of_kind(&text) => {

@@ -6,6 +6,7 @@ use std::path::Path;
 use clap::Parser;
 use envgen::located::Locate;
 use envgen::scenario::{Scenario, ScenarioSpec};
+use envgen::settings::{Assignment, assignments};
 use envgen::{Seed, SettingsError, World, WorldKind, WorldSpec, import};
 
 use crate::spec_file;
@@ -32,36 +33,33 @@ impl Arguments {
     /// Returns the world, and what moves in it.
     pub(crate) fn world(&self) -> Result<(World, Option<Scenario>), Box<dyn Error>> {
         let mut moving = ScenarioSpec::default();
+        let spec = self.spec()?;
+        let table = spec.as_ref().map_or(&[][..], |spec| spec.kind().settings());
         let mut own = Vec::new();
-        for setting in &self.settings {
-            let (name, value) = setting
-                .split_once('=')
-                .ok_or_else(|| format!("--set {setting}: not of the form NAME=VALUE"))?;
+        for setting in assignments("--set", &self.settings, table)? {
+            let Assignment { name, value, text } = setting;
             if ScenarioSpec::SETTINGS.iter().any(|known| known.name == name) {
-                moving.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
+                moving.set(name, value).in_option("--set", text)?;
             } else {
-                own.push((setting, name, value));
+                own.push(setting);
             }
         }
-        let world = match self.spec()? {
+        let world = match spec {
             Some(mut spec) => {
                 let kind = spec.kind();
                 let tables = [kind.settings(), ScenarioSpec::SETTINGS];
-                for (setting, name, value) in own {
+                for Assignment { name, value, text } in own {
                     let known = kind.setting(name);
-                    known.map_err(|_| {
-                        format!(
-                            "--set {setting}: {}",
-                            SettingsError::unknown_setting(kind, name, &tables)
-                        )
-                    })?;
-                    spec.set(name, value).map_err(|error| format!("--set {setting}: {error}"))?;
+                    known
+                        .map_err(|_| SettingsError::unknown_setting(kind, name, &tables))
+                        .in_option("--set", text)?;
+                    spec.set(name, value).in_option("--set", text)?;
                 }
                 spec.generate(self.seed)?.to_world()
             }
             None => {
-                if let Some((setting, ..)) = own.first() {
-                    return Err(format!("--set {setting}: the file holds a finished world").into());
+                if let Some(Assignment { text, .. }) = own.first() {
+                    return Err(format!("--set {text}: the file holds a finished world").into());
                 }
                 import::read_world(Path::new(&self.world)).in_file(Path::new(&self.world))?
             }

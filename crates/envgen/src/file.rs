@@ -10,6 +10,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::text_file;
 use crate::world::{SCHEMA_VERSION, Violation, World};
 
 /// The greatest length of a world file that is read, in bytes. Longer files are refused before they fill the
@@ -181,16 +182,10 @@ pub(crate) fn read_text(input: &mut dyn Read) -> Result<String, FileError> {
 }
 
 fn read_at_most(input: &mut dyn Read, limit: u64) -> Result<String, FileError> {
-    let mut text = String::new();
-    let read = input.take(limit + 1).read_to_string(&mut text)?;
-    if read as u64 > limit {
-        return Err(FileError::TooLong);
-    }
-    // Some editors begin UTF-8 with a mark.
-    if text.starts_with('\u{feff}') {
-        text.drain(..'\u{feff}'.len_utf8());
-    }
-    Ok(text)
+    text_file::read_at_most(input, limit).map_err(|error| match error.kind() {
+        io::ErrorKind::FileTooLarge => FileError::TooLong,
+        _ => error.into(),
+    })
 }
 
 /// Reads a binary file of at most [`MAX_FILE_BYTES`].

@@ -119,6 +119,7 @@ mod seed;
 pub mod settings;
 mod spec;
 pub mod surface_index;
+pub mod text_file;
 mod union_find;
 #[cfg(feature = "whole-file")]
 pub mod whole_file;

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use envgen::text_file;
 use envgen::whole_file;
 use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::experiment::stats::Interval;
@@ -88,7 +89,7 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
 }
 
 fn read(path: &Path) -> Result<Survey, ExperimentError> {
-    let text = std::fs::read_to_string(path)
+    let text = text_file::read(path)
         .map_err(|source| ExperimentError::File { path: path.to_owned(), source })?;
     Survey::from_ron(&text).map_err(|error| ExperimentError::Content {
         path: path.to_owned(),

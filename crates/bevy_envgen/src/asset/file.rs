@@ -4,6 +4,7 @@ use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, AsyncReadExt, LoadContext};
 use bevy::prelude::*;
 use envgen::indoor::{Catalogue, CatalogueError, RoomDesign, RoomError, room_from_ron};
+use envgen::text_file::without_mark;
 use envgen::{SettingsError, SpecError, WorldSpec};
 use thiserror::Error;
 
@@ -138,14 +139,14 @@ impl AssetLoader for RoomLoader {
     }
 }
 
-/// Reads a UTF-8 text of at most [`MAX_FILE_BYTES`].
+/// Reads a UTF-8 text of at most [`MAX_FILE_BYTES`], without a byte order mark.
 async fn read(reader: &mut dyn Reader) -> Result<String, WorldLoadError> {
     let mut bytes = Vec::new();
     let mut part = [0; 4096];
     loop {
         let read = reader.read(&mut part).await?;
         if read == 0 {
-            return Ok(std::str::from_utf8(&bytes)?.to_owned());
+            return Ok(without_mark(std::str::from_utf8(&bytes)?).to_owned());
         }
         bytes.extend_from_slice(&part[..read]);
         if bytes.len() > MAX_FILE_BYTES {

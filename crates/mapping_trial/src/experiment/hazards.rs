@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use envgen::scenario::ScenarioSpec;
+use envgen::settings::{Assignment, assignments};
 use envgen::{Seed, SpecError};
 use serde::Serialize;
 
@@ -69,40 +70,45 @@ impl Hazard {
     /// If a setting does not exist or occurs twice, if its value is not allowed, or if nothing moves.
     pub fn parse(text: &str) -> Result<Self, SpecError> {
         let mut scenario = ScenarioSpec::default();
-        let mut settings: Vec<(&str, &str)> = Vec::new();
-        for part in text.split('+') {
-            let usual = || USUAL.into_iter().find(|(name, _)| *name == part);
-            let Some((name, value)) = part.split_once('=').or_else(usual) else {
-                let names = USUAL.map(|(name, _)| name).join(", ");
-                let allowed = format!(
-                    "one of {names}, a setting of scenarios and its value, as doors=1, or several \
-                     joined by +"
-                );
-                return Err(SpecError::new("hazards", part, allowed));
-            };
-            scenario.set(name, value)?;
-            if settings.iter().any(|(other, _)| *other == name) {
-                let allowed = format!("settings of which each is there once, not {name} twice");
-                return Err(SpecError::new("hazards", text, allowed));
+        let setting = |part: &str| {
+            let usual = USUAL.into_iter().find(|(name, _)| *name == part);
+            if let Some((name, value)) = usual {
+                return Ok(format!("{name}={value}"));
             }
-            settings.push((name, value));
+            if part.contains('=') {
+                return Ok(part.to_owned());
+            }
+            let names = USUAL.map(|(name, _)| name).join(", ");
+            let allowed = format!(
+                "one of {names}, a setting of scenarios and its value, as doors=1, or several \
+                 joined by +"
+            );
+            Err(SpecError::new("hazards", part, allowed))
+        };
+        let texts = text.split('+').map(setting).collect::<Result<Vec<_>, _>>()?;
+        let settings = assignments("hazards", &texts, ScenarioSpec::SETTINGS)
+            .map_err(|_| SpecError::new("hazards", text, "settings of which each is there once"))?;
+        for Assignment { name, value, .. } in &settings {
+            scenario.set(name, value)?;
         }
         if scenario.is_still() {
             let allowed =
                 "something that moves: nothing does without doors, people or smoke above 0";
             return Err(SpecError::new("hazards", text, allowed));
         }
-        let parts: Vec<_> =
-            settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        let parts: Vec<_> = settings
+            .iter()
+            .map(|Assignment { name, value, .. }| format!("{name}={value}"))
+            .collect();
         Ok(Hazard { name: parts.join("+"), scenario })
     }
 }
 
 /// Returns the survey of a design's levels and policies, without hazards and with each of them.
 ///
-/// The worlds are as many as those of the design and have the same specs, but seeds of their own: those
-/// of the first level begin with 1000, those of the next one with 2000, plus a million times the
-/// design's seed. These are not those of [`Design::world_seed`].
+/// The worlds are as many as those of the design and have the same specs, but other seeds: those of the
+/// first level begin with 1000, those of the next one with 2000, plus a million times the design's
+/// seed. [`Design::world_seed`] is the same only for levels such as 0.1.
 ///
 /// # Errors
 ///

@@ -1,10 +1,11 @@
 //! The log of a trial: its world, its settings and every command, by which the trial is replayed to the
 //! last bit.
 
-use std::io::{Read, Write};
+use std::io::{ErrorKind, Read, Write};
 
 use envgen::SpecError;
 use envgen::scenario::{GivenDoorCommand, Scenario, ScenarioState};
+use envgen::text_file;
 use envgen::world::{Digest, Violation};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -127,10 +128,11 @@ impl TrialLog {
     /// If the text is not a log, if it is of another version, if its world is broken or its settings
     /// are not allowed, or if it contradicts itself.
     pub fn read(input: &mut dyn Read) -> Result<Self, LogError> {
-        let mut text = String::new();
-        if input.take(MAX_BYTES + 1).read_to_string(&mut text)? as u64 > MAX_BYTES {
-            return Err(LogError::TooLong);
-        }
+        let text =
+            text_file::read_at_most(input, MAX_BYTES).map_err(|error| match error.kind() {
+                ErrorKind::FileTooLarge => LogError::TooLong,
+                _ => error.into(),
+            })?;
         // The version is read first, since a log of another version has other fields.
         match serde_json::from_str(&text) {
             Ok(AnyVersion { version }) if version != u64::from(LOG_VERSION) => {

@@ -15,6 +15,7 @@ use envgen::located::Located;
 use envgen::occupancy::OccupancyError;
 use envgen::picture::PictureError;
 use envgen::scenario::ScenarioFileError;
+use envgen::settings::AssignmentError;
 use envgen::{GenerateError, SettingsError, SpecError};
 
 /// Why a run ends.
@@ -146,6 +147,7 @@ macro_rules! usage {
 }
 
 usage!(
+    AssignmentError,
     CatalogueError,
     FolderError,
     OccupancyError,

@@ -1,6 +1,7 @@
 //! The command `envgen`: generates, converts, samples, inspects and checks worlds.
 //!
-//! Exit codes: 0 done, 1 a check did not hold or generation failed, 2 bad arguments.
+//! Exit codes: 0 done; 1 a check did not hold, or generation failed; 2 bad arguments, or bad content of a spec, a
+//! scenario or a room.
 
 mod check;
 mod convert;

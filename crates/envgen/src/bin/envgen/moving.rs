@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use envgen::located::Locate;
 use envgen::scenario::{Scenario, ScenarioSpec, ScenarioState};
+use envgen::text_file;
 use envgen::{Seed, World};
 
 use crate::failure::Failure;
-use crate::source::{note, read};
+use crate::source::note;
 
 #[derive(Args)]
 #[command(next_help_heading = "Doors, people and smoke")]
@@ -62,7 +63,7 @@ impl Moving {
 
 /// Reads what moves in a world, which must fit it.
 pub(crate) fn read_scenario(path: &Path, world: &World) -> Result<Scenario, Failure> {
-    let scenario = Scenario::from_ron(&read(path)?).in_file(path)?;
+    let scenario = Scenario::from_ron(&text_file::read(path).in_file(path)?).in_file(path)?;
     ScenarioState::new(world, &scenario).in_file(path)?;
     Ok(scenario)
 }

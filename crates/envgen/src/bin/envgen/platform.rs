@@ -3,6 +3,7 @@
 use clap::Args;
 use envgen::difficulty::Platform;
 use envgen::located::Locate;
+use envgen::settings::{Assignment, assignments};
 
 use crate::failure::Failure;
 
@@ -21,18 +22,11 @@ impl PlatformOptions {
 
     /// The default platform with its changes, checked.
     pub(crate) fn read(&self) -> Result<Platform, Failure> {
-        let (mut platform, mut names) = (Platform::default(), Vec::new());
-        for option in &self.numbers {
-            let usage =
-                |text: &str| Failure::Usage(text.to_owned()).about(format!("--platform {option}"));
-            let (name, value) =
-                option.split_once('=').ok_or_else(|| usage("is not of the form name=value"))?;
-            let name = name.trim();
-            if names.contains(&name) {
-                return Err(usage(&format!("`{name}` is set twice")));
-            }
-            names.push(name);
-            platform.set(name, value).in_option("--platform", option)?;
+        let mut platform = Platform::default();
+        for Assignment { name, value, text } in
+            assignments("--platform", &self.numbers, Platform::SETTINGS)?
+        {
+            platform.set(name, value).in_option("--platform", text)?;
         }
         platform.validate()?;
         Ok(platform)

@@ -1,7 +1,6 @@
 //! The input of a command: a kind or a spec file with settings and a seed, or a world file.
 
 use std::fs::{self, File};
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,14 +9,13 @@ use envgen::indoor::world_generator::{HALLWAY, LibraryRoom};
 use envgen::indoor::{Catalogue, PlacedRoom};
 use envgen::located::Locate;
 use envgen::scenario::ScenarioSpec;
+use envgen::settings::{Assignment, assignments};
+use envgen::text_file;
 use envgen::{
     Blueprint, GenerateError, Seed, SettingsError, SpecError, World, WorldKind, WorldSpec,
 };
 
 use crate::failure::{Failure, print_line};
-
-/// The longest spec file that is read, in bytes.
-const MAX_SPEC_BYTES: u64 = 1 << 28;
 
 #[derive(Args)]
 pub(crate) struct Source {
@@ -54,17 +52,17 @@ impl Source {
                 && !kind.settings().iter().any(|setting| setting.name == name)
         };
         let (moving, still): (Vec<_>, Vec<_>) =
-            self.settings(kind)?.into_iter().partition(|(name, ..)| is_moving(name));
+            self.settings(kind)?.into_iter().partition(|setting| is_moving(setting.name));
         let tables = [kind.settings(), ScenarioSpec::SETTINGS];
-        for (name, _, option) in &still {
+        for Assignment { name, text, .. } in &still {
             let is_known =
                 kind.setting(name).map_err(|_| SettingsError::unknown_setting(kind, name, &tables));
-            is_known.in_option("--set", option)?;
+            is_known.in_option("--set", text)?;
         }
         let spec = self.with_settings(spec, &still)?;
         let mut scenario = ScenarioSpec::default();
-        for &(name, value, option) in &moving {
-            scenario.set(name, value).in_option("--set", option)?;
+        for Assignment { name, value, text } in &moving {
+            scenario.set(name, value).in_option("--set", text)?;
         }
         scenario.validate().map_err(|error| self.blame(error, &moving))?;
         Ok((spec, (!moving.is_empty()).then_some(scenario)))
@@ -73,7 +71,9 @@ impl Source {
     /// The spec without its settings.
     fn unset(&self) -> Result<WorldSpec, Failure> {
         match self.file() {
-            Some(path) => Ok(WorldSpec::from_ron(&read(path)?).in_file(path)?),
+            Some(path) => {
+                Ok(WorldSpec::from_ron(&text_file::read(path).in_file(path)?).in_file(path)?)
+            }
             None => match self.what.parse::<WorldKind>() {
                 Ok(kind) => Ok(kind.default_spec()),
                 Err(_) if Path::new(&self.what).extension().is_some() => {
@@ -88,13 +88,13 @@ impl Source {
     fn with_settings(
         &self,
         mut spec: WorldSpec,
-        settings: &[(&str, &str, &str)],
+        settings: &[Assignment<'_>],
     ) -> Result<WorldSpec, Failure> {
-        for &(name, value, option) in settings {
-            spec.set(name, value).in_option("--set", option)?;
+        for Assignment { name, value, text } in settings {
+            spec.set(name, value).in_option("--set", text)?;
         }
         if let WorldSpec::Indoor(indoor) = &mut spec {
-            settings.iter().for_each(|(name, ..)| indoor.fix(name));
+            settings.iter().for_each(|setting| indoor.fix(setting.name));
         }
         if self.rooms.are_given() {
             self.furnish(&mut spec)?;
@@ -133,31 +133,16 @@ impl Source {
         is_ron.then_some(path)
     }
 
-    /// Name, value and whole text of each setting.
-    fn settings(&self, kind: WorldKind) -> Result<Vec<(&str, &str, &str)>, Failure> {
-        let mut settings: Vec<(&str, &str, &str)> = Vec::new();
-        for option in &self.settings {
-            let usage =
-                |text: &str| Failure::Usage(text.to_owned()).about(format!("--set {option}"));
-            let (name, value) =
-                option.split_once('=').ok_or_else(|| usage("is not of the form name=value"))?;
-            let name = name.trim();
-            // A former name is one of the same setting.
-            let name = kind.setting(name).map_or(name, |setting| setting.name);
-            if settings.iter().any(|(other, ..)| *other == name) {
-                return Err(usage(&format!("`{name}` is set twice")));
-            }
-            settings.push((name, value, option));
-        }
-        Ok(settings)
+    fn settings(&self, kind: WorldKind) -> Result<Vec<Assignment<'_>>, Failure> {
+        Ok(assignments("--set", &self.settings, kind.settings())?)
     }
 
     /// Names the options or the file that a setting that is not allowed comes from.
-    fn blame(&self, error: SpecError, settings: &[(&str, &str, &str)]) -> Failure {
+    fn blame(&self, error: SpecError, settings: &[Assignment<'_>]) -> Failure {
         let are_named =
-            settings.iter().filter(|(name, ..)| names(&error.field).any(|n| n == *name));
+            settings.iter().filter(|setting| names(&error.field).any(|name| name == setting.name));
         let options: Vec<String> =
-            are_named.map(|(.., option)| format!("--set {option}")).collect();
+            are_named.map(|setting| format!("--set {}", setting.text)).collect();
         if options.is_empty() {
             self.name(error.into())
         } else {
@@ -187,20 +172,6 @@ impl Source {
 /// The names of the settings that an error is about, such as both of `rows * cols`.
 fn names(field: &str) -> impl Iterator<Item = &str> {
     field.split(|letter: char| !(letter.is_alphanumeric() || letter == '_'))
-}
-
-/// The text of a file of specs.
-pub(crate) fn read(path: &Path) -> Result<String, Failure> {
-    let mut text = String::new();
-    File::open(path)
-        .and_then(|file| file.take(MAX_SPEC_BYTES + 1).read_to_string(&mut text))
-        .and_then(|_| match text.len() as u64 > MAX_SPEC_BYTES {
-            true => Err(io::Error::other(format!("longer than {MAX_SPEC_BYTES} bytes"))),
-            false => Ok(()),
-        })
-        .in_file(path)?;
-    // Some editors begin UTF-8 with a mark.
-    Ok(text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned())
 }
 
 /// A world file.

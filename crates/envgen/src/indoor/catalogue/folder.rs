@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::{Catalogue, CatalogueError, MAX_ROOMS, RoomDesign, RoomError, room_from_ron};
+use crate::text_file;
 
 /// The greatest size of a room file in bytes.
 const MAX_FILE: u64 = 4 << 20;
@@ -123,7 +124,7 @@ fn read_rooms(folder: &Path) -> Result<Vec<RoomDesign>, FolderError> {
         if data.len() > MAX_FILE {
             return Err(FolderError::TooLong { path, bytes: data.len() });
         }
-        let text = fs::read_to_string(&path).map_err(|source| failed(&path, source))?;
+        let text = text_file::read(&path).map_err(|source| failed(&path, source))?;
         let room = room_from_ron(&text)
             .map_err(|source| FolderError::Ron { path: path.clone(), source })?;
         room.validate().map_err(|source| FolderError::Room { path: path.clone(), source })?;

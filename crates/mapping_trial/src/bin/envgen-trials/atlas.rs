@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use envgen::WorldKind;
 use envgen::located::Locate;
+use envgen::text_file;
 use mapping_trial::difficulty::{AtlasDesign, Panel};
 use mapping_trial::experiment::Shard;
 
-use crate::read;
 use crate::stdout;
 use crate::survey;
 
@@ -61,7 +61,7 @@ impl DesignOptions {
 
     pub(crate) fn read(&self) -> Result<AtlasDesign, Box<dyn Error>> {
         let Some(path) = &self.design else { return Ok(self.kind.design()) };
-        let text = read::text(path)?;
+        let text = text_file::read(path).in_file(path)?;
         Ok(AtlasDesign::from_ron(&text).in_file(path)?)
     }
 }

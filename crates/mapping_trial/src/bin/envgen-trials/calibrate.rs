@@ -100,10 +100,8 @@ fn open(
     shard: Shard,
     partial: bool,
 ) -> Result<SurveyFolder, Box<dyn Error>> {
-    // The folder is only read, so that none is begun.
-    if !path.is_dir() {
-        return Err(format!("{}: there is no such folder", path.display()).into());
-    }
+    // The folder has to hold a survey: opening another one would begin a survey in it.
+    SurveyFolder::survey_of(path)?;
     let folder = SurveyFolder::open(path, survey, shard)?;
     if !partial && !folder.is_complete() {
         let (done, all) = (folder.records().len(), folder.trials());

@@ -9,6 +9,7 @@ use envgen::calibration::{Dials, Estimate};
 use envgen::export::{Job, Output};
 use envgen::indoor::{IndoorSpec, Profile, Request};
 use envgen::located::Locate;
+use envgen::settings::{Assignment, assignments};
 use envgen::whole_file::commit_all;
 use envgen::{Blueprint, Seed, Spec, WorldBlueprint, WorldKind, WorldSpec};
 use mapping_trial::difficulty::{NEAR_REQUEST, Panel, Verified, most_trials, verified};
@@ -47,18 +48,11 @@ impl Arguments {
     fn spec(&self, panel: &Panel) -> Result<IndoorSpec, Box<dyn Error>> {
         let mut spec =
             WorldSpec::from(IndoorSpec { profile: Profile::Calibrated, ..Default::default() });
-        let mut names = Vec::new();
-        for option in &self.settings {
-            let (name, value) = option
-                .split_once('=')
-                .ok_or_else(|| Usage(format!("--set {option}: is not of the form name=value")))?;
-            spec.set(name.trim(), value).in_option("--set", option)?;
-            let name = WorldKind::Indoor.setting(name.trim())?.name;
-            if names.contains(&name) {
-                return Err(Usage(format!("--set {option}: `{name}` is set twice")).into());
-            }
-            names.push(name);
+        let settings = assignments("--set", &self.settings, WorldKind::Indoor.settings())?;
+        for Assignment { name, value, text } in &settings {
+            spec.set(name, value).in_option("--set", text)?;
         }
+        let names: Vec<_> = settings.iter().map(|setting| setting.name).collect();
         if names.contains(&"candidate") {
             let text = "--set candidate: the trials choose the candidate".to_owned();
             return Err(Usage(text).into());

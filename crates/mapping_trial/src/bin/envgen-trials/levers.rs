@@ -6,12 +6,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use envgen::located::Locate;
+use envgen::text_file;
 use envgen::whole_file;
 use mapping_trial::difficulty::levers::{LeverDesign, LeverLevel, figure};
 use mapping_trial::difficulty::reference_scale;
 use mapping_trial::experiment::Shard;
 
-use crate::read;
 use crate::stdout;
 use crate::survey;
 
@@ -34,7 +34,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     let design = match &arguments.design {
         None => LeverDesign::first(),
         Some(path) => {
-            let text = read::text(path)?;
+            let text = text_file::read(path).in_file(path)?;
             LeverDesign::from_ron(&text).in_file(path)?
         }
     };

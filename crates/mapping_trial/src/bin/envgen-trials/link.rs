@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use envgen::calibration::Dials;
 use envgen::located::Locate;
+use envgen::text_file;
 use mapping_trial::experiment::stats::Interval;
 use mapping_trial::feedback::{
     DifficultySource, LinkError, PanelDifficulty, RatedWorld, Rating, RatingLink,
@@ -17,7 +18,6 @@ use mapping_trial::names::printable;
 use mapping_trial::trial::{TrialLog, TrialReport};
 use serde::Serialize;
 
-use crate::read;
 use crate::stdout;
 
 #[derive(Args)]
@@ -93,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 
 /// Reads a session, or returns why it is not linked.
 fn session(path: &Path) -> Result<Result<Session, String>, Box<dyn Error>> {
-    let text = read::text(path)?;
+    let text = text_file::read(path).in_file(path)?;
     let report: TrialReport = serde_json::from_str(&text).in_file(path)?;
     // The absolute path is needed, since a name alone has no folder.
     let whole = std::path::absolute(path).in_file(path)?;

@@ -12,7 +12,6 @@ mod link;
 mod measure;
 mod panel;
 mod progress;
-mod read;
 mod score;
 mod spinner;
 mod start_argument;

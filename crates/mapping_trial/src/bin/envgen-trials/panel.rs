@@ -7,6 +7,7 @@ use clap::Args;
 use envgen::calibration::Scale;
 use envgen::indoor::STEP;
 use envgen::located::Locate;
+use envgen::text_file;
 use envgen::world::Digest;
 use mapping_trial::difficulty::{Anchors, Panel, reference_scale};
 use mapping_trial::experiment::survey::{Condition, Record};
@@ -17,7 +18,6 @@ use mapping_trial::policy::PolicyKind;
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 
-use crate::read;
 use crate::survey;
 use crate::usage::Usage;
 use crate::warning::warn;
@@ -80,10 +80,10 @@ impl PanelOptions {
     fn changed_panel(&self) -> Result<Panel, Box<dyn Error>> {
         let mut panel = match &self.panel {
             None => Panel::reference(),
-            Some(path) => Panel::from_ron(&read::text(path)?).in_file(path)?,
+            Some(path) => Panel::from_ron(&text_file::read(path).in_file(path)?).in_file(path)?,
         };
         let robot = self.robot.as_ref().map(|path| {
-            let text = read::text(path)?;
+            let text = text_file::read(path).in_file(path)?;
             Ok::<_, Box<dyn Error>>((path, Robot::from_ron(&text).in_file(path)?))
         });
         if let Some((path, robot)) = robot.transpose()? {

@@ -11,6 +11,7 @@ use envgen::geometry::Pose;
 use envgen::import;
 use envgen::import::ros_map::read_ros_map;
 use envgen::located::Locate;
+use envgen::text_file;
 use mapping_trial::map::OccupancyMap;
 use mapping_trial::robot::Robot;
 use mapping_trial::score::{
@@ -19,7 +20,6 @@ use mapping_trial::score::{
 use mapping_trial::tum::{self, TimedPose};
 use serde::Serialize;
 
-use crate::read;
 use crate::spinner::spinner;
 use crate::start_argument::start;
 use crate::stdout;
@@ -120,7 +120,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let world = import::read_world(path).in_file(path)?;
     let robot = match &arguments.robot {
         None => Robot::default(),
-        Some(path) => Robot::from_ron(&read::text(path)?).in_file(path)?,
+        Some(path) => Robot::from_ron(&text_file::read(path).in_file(path)?).in_file(path)?,
     };
     let start = arguments.start.or(world.start);
     let start = start.ok_or("the world has no start: use --start X,Y,HEADING").in_file(path)?;
@@ -196,7 +196,7 @@ fn ground_share(ros_map: &RosMap, scores: &MapScores) -> f64 {
 }
 
 fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {
-    Ok(tum::read(&read::text(path)?).in_file(path)?)
+    Ok(tum::read(&text_file::read(path).in_file(path)?).in_file(path)?)
 }
 
 /// Scores the estimated poses of each robot against the true ones at the same times. All estimates are

@@ -5,6 +5,7 @@ use std::error::Error;
 use envgen::export::OutputError;
 use envgen::import::ImportError;
 use envgen::located::Located;
+use envgen::settings::AssignmentError;
 use envgen::{SettingsError, SpecError};
 use thiserror::Error;
 
@@ -18,6 +19,7 @@ pub(crate) fn is_usage(error: &(dyn Error + 'static)) -> bool {
     error.is::<Usage>()
         || error.is::<SpecError>()
         || error.is::<SettingsError>()
+        || error.is::<Located<AssignmentError>>()
         || error.is::<Located<SpecError>>()
         || error.is::<Located<SettingsError>>()
         || error.is::<Located<OutputError>>()
