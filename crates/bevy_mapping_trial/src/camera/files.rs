@@ -18,8 +18,8 @@ pub const DEPTH_UNIT: f64 = 1e-3;
 /// The label in 16-bit images of everything whose label does not fit into 16 bits.
 pub const OTHER_LABEL: u16 = u16::MAX;
 
-/// The number of pictures after which the description is written again, so that little is lost if the program
-/// is killed.
+/// The number of pictures after which the description is written again, so that little is lost if the program is
+/// killed. A long description is written again once it has grown by a quarter, since all of it is written.
 const FRAMES_A_SAVE: usize = 50;
 
 /// The name of the file with the description.
@@ -33,6 +33,8 @@ pub struct CameraFolder {
     folder: PathBuf,
     camera: RobotCamera,
     frames: Vec<Value>,
+    /// The number of pictures at which the description is written again.
+    next_save: usize,
     /// The descriptions of the labels that occurred.
     labels: BTreeMap<u16, Value>,
     /// The constant part of the description.
@@ -48,8 +50,19 @@ impl CameraFolder {
     pub fn create(folder: impl Into<PathBuf>, camera: RobotCamera) -> io::Result<Self> {
         let folder = folder.into();
         let is_earlier = folder.join(DESCRIPTION).is_file();
-        for (name, is_taken) in images(&camera) {
-            let images = folder.join(name);
+        fs::create_dir_all(&folder)?;
+        let new = CameraFolder {
+            folder,
+            camera,
+            frames: Vec::new(),
+            next_save: FRAMES_A_SAVE,
+            labels: BTreeMap::new(),
+            head: serde_json::Map::new(),
+        };
+        // The earlier description is replaced first: it must not name pictures that are removed.
+        new.save()?;
+        for (name, is_taken) in images(&new.camera) {
+            let images = new.folder.join(name);
             if is_earlier && images.is_dir() {
                 remove_pictures(&images)?;
             }
@@ -57,15 +70,6 @@ impl CameraFolder {
                 fs::create_dir_all(images)?;
             }
         }
-        fs::create_dir_all(&folder)?;
-        let new = CameraFolder {
-            folder,
-            camera,
-            frames: Vec::new(),
-            labels: BTreeMap::new(),
-            head: serde_json::Map::new(),
-        };
-        new.save()?;
         Ok(new)
     }
 
@@ -121,7 +125,11 @@ impl CameraFolder {
         if self.head.is_empty() {
             self.head = head(frame);
         }
-        if self.frames.len().is_multiple_of(FRAMES_A_SAVE) { self.save() } else { Ok(()) }
+        if self.frames.len() < self.next_save {
+            return Ok(());
+        }
+        self.next_save += FRAMES_A_SAVE.max(self.frames.len() / 4);
+        self.save()
     }
 
     /// Writes the complete description, and returns its path.
