@@ -26,11 +26,17 @@ pub(crate) struct Bag {
     /// written.
     metadata: WholeFile,
     world: WholeFile,
+    /// True and estimated poses of each robot.
+    tracks: Vec<[WholeFile; 2]>,
 }
 
 impl Bag {
-    /// Begins the files.
-    pub(crate) fn begin<P: AsRef<Path>>(path: &Path, inputs: &[P]) -> Result<Self, Box<dyn Error>> {
+    /// Begins the files of a trial with a number of robots.
+    pub(crate) fn begin<P: AsRef<Path>>(
+        path: &Path,
+        inputs: &[P],
+        robots: u32,
+    ) -> Result<Self, Box<dyn Error>> {
         let (Some(stem), Some("mcap")) =
             (path.file_stem(), path.extension().and_then(|ending| ending.to_str()))
         else {
@@ -45,10 +51,16 @@ impl Bag {
             refuse_inputs(path, inputs).in_file(path)?;
             Ok(WholeFile::create(path).in_file(path)?)
         };
+        let tracks = (0..robots as usize).map(|robot| {
+            let [truth, estimate] = track_names(&stem, robot);
+            Ok([begin(&path.with_file_name(truth))?, begin(&path.with_file_name(estimate))?])
+        });
+        let tracks = tracks.collect::<Result<_, Box<dyn Error>>>()?;
         Ok(Bag {
             recorder: BagRecorder::new(begin(path)?),
             metadata: begin(&metadata)?,
             world: begin(&path.with_file_name(format!("{stem}.world.json")))?,
+            tracks,
             path: path.to_owned(),
             stem,
         })
@@ -89,19 +101,20 @@ impl Bag {
             beside(METADATA.to_owned()),
             beside(format!("{}.world.json", self.stem)),
         ];
-        for robot in 0..trial.robots() {
-            let number = if robot == 0 { String::new() } else { format!("_{}", robot + 1) };
+        for (robot, tracks) in self.tracks.into_iter().enumerate() {
             let truth = &trial.trajectory(robot).poses;
             // The first estimate precedes the first observation.
             let estimated = trial.autonomy().slam().trajectory(robot);
             let estimated = estimated.get(1..).unwrap_or_default();
-            for (of, poses) in [("truth", truth.as_slice()), ("estimate", estimated)] {
-                let path = beside(format!("{}.{of}{number}.tum", self.stem));
+            let names = track_names(&self.stem, robot);
+            for ((mut file, name), poses) in
+                tracks.into_iter().zip(names).zip([truth.as_slice(), estimated])
+            {
+                let path = beside(name);
                 let mut text = Vec::new();
                 let timed = poses.iter().take(truth.len()).enumerate();
                 let timed = timed.map(|(tick, &pose)| TimedPose { time: tick as f64 * TICK, pose });
                 tum::write(timed, &mut text)?;
-                let mut file = WholeFile::create(&path).in_file(&path)?;
                 file.write_all(&text).in_file(&path)?;
                 files.push(file);
                 paths.push(path);
@@ -110,6 +123,12 @@ impl Bag {
         commit_all(files)?;
         Ok(paths)
     }
+}
+
+/// Names of the files with the true and the estimated poses of a robot.
+fn track_names(stem: &str, robot: usize) -> [String; 2] {
+    let number = if robot == 0 { String::new() } else { format!("_{}", robot + 1) };
+    ["truth", "estimate"].map(|of| format!("{stem}.{of}{number}.tum"))
 }
 
 /// Rejects a folder whose metadata describe another bag, since they would be overwritten.

@@ -93,7 +93,6 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     camera::check(arguments)?;
     output::folder(&arguments.out)?;
     arguments.check_outputs()?;
-    let bag = arguments.bag()?;
     let clock = now();
     let Some(path) = &arguments.replay else {
         refuse_camera_of(arguments, &arguments.engine)?;
@@ -112,6 +111,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let truth = Reference::from_start(&world, &setup.settings.body, start)?;
         // The settings have the time limit in effect, which may depend on the area.
         let settings = setup.settings.clone();
+        let bag = arguments.bag(settings.robots)?;
         let driver = arguments.start_driver(&setup)?;
         let parts = driver.as_ref().map_or_else(TrialParts::default, Driver::parts);
         let parts = watched(bag.as_ref(), parts);
@@ -140,6 +140,7 @@ fn trial(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let file = File::open(path).in_file(path)?;
     let log = TrialLog::read(&mut BufReader::new(file)).in_file(path)?;
     refuse_camera_of(arguments, &log.engine)?;
+    let bag = arguments.bag(log.settings.robots)?;
     let world = log.world.world().in_file(path)?;
     for part in log.foreign.iter().filter(|part| part.role != PartRole::Policy) {
         say(arguments, format_args!("{}\n", missing(part)))?;

@@ -12,8 +12,8 @@ use crate::world::World;
 const GRID: f64 = 0.1;
 
 /// Returns the centre of the cell that is farthest from occupied cells and from the grid's border, in the largest
-/// free region of a grid; `None` if no cell is free. Cells are connected by their sides. Among equal cells, the
-/// first one is taken, row by row from the lowest.
+/// free region of a grid; `None` if no cell is free. Cells are connected by their sides. Distances of 255
+/// cells and more count as equal. Among equal cells, the first one is taken, row by row from the lowest.
 ///
 /// ```
 /// use envgen::occupancy::{Coverage, OccupancyGrid};

@@ -168,13 +168,13 @@ impl Robot {
 
     fn check(&self) -> Result<(), SpecError> {
         self.check_fields()?;
-        let half = match self.footprint {
-            Footprint::Box => 0.5 * libm::hypot(self.length, self.width),
-            Footprint::Disc => 0.5 * self.length.max(self.width),
+        let (half, name) = match self.footprint {
+            Footprint::Box => (0.5 * libm::hypot(self.length, self.width), "diagonal"),
+            Footprint::Disc => (0.5 * self.length.max(self.width), "diameter"),
         };
         let radius = self.circumscribed_radius;
         if radius < half - ROUNDING {
-            let allowed = format!("at least {half:.3}, the half diagonal of the body");
+            let allowed = format!("at least {half:.3}, half the {name} of the body");
             return Err(SpecError::new("circumscribed_radius", radius, allowed));
         }
         // Within a tick a disc must not jump over a wall.
@@ -323,7 +323,9 @@ mod tests {
             error("(circumscribed_radius: NaN)").contains("`body.circumscribed_radius` must be")
         );
         let long = error("(length: 1.2)");
-        assert!(long.contains("at least 0.649"), "{long}");
+        assert!(long.contains("at least 0.649, half the diagonal"), "{long}");
+        let wide = error("(width: 0.8, footprint: disc)");
+        assert!(wide.contains("at least 0.400, half the diameter"), "{wide}");
         let outside = error("(laser_offset: 0.5)");
         assert!(outside.contains("`body.laser_offset` must be"), "{outside}");
         let outside = error("(laser_offset: 0.3, laser_mount: (left: 0.3))");

@@ -16,7 +16,7 @@ use thiserror::Error;
 const MOST: f64 = 1e11;
 
 /// The greatest number of poses that are read: a day at 100 per second.
-pub const MAX_POSES: usize = 1 << 23;
+pub const MAX_POSES: usize = 100 * 24 * 60 * 60;
 
 /// An error in a text that should be a trajectory.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -17,8 +17,8 @@ use crate::geometry::{Pose, Rect, Shape, signed_area};
 use crate::provenance::IMPORT;
 use crate::provenance::Provenance;
 use crate::world::{
-    Doorway, Extent, MAX_COORDINATE, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room, Surface,
-    SurfaceKind, Tree, Wall, WallKind, World, is_simple,
+    Doorway, Extent, MAX_COORDINATE, MAX_LANES, Obstacle, ObstacleKind, RoadPoint, RoadStrip, Room,
+    Surface, SurfaceKind, Tree, Wall, WallKind, World, is_simple,
 };
 
 const FORMAT: &str = "GeoJSON";
@@ -436,11 +436,12 @@ impl Properties {
             pose: Pose { position: line[i], heading: heading(i) },
             curvature: 0.0,
         };
+        let lanes = format!("a whole number from 1 to {MAX_LANES}");
         world.road_strips.push(RoadStrip {
             centreline: (0..line.len()).map(point).collect(),
             pieces: Vec::new(),
             width: self.number("width")?.unwrap_or(1.0),
-            lanes: self.get("lanes", "a whole number from 1 on")?.unwrap_or(1),
+            lanes: self.get("lanes", &lanes)?.unwrap_or(1),
             closed: self.get("closed", "true or false")?.unwrap_or(false),
         });
         Ok(())

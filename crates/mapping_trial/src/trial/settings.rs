@@ -49,7 +49,7 @@ settings! {
         /// Simulated time per square metre that can be mapped after which the trial ends, in place of
         /// `time_limit`: at least 300 s in all. The battery lasts at least as long.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        time_per_area: Option<f64> = None => number("s/m^2", 0.01..=1000.0);
+        time_per_area: Option<f64> = None => optional_number("s/m^2", 0.01..=1000.0);
         /// Where the first robot starts, in metres and radians; none is the world's own start.
         start: Option<Pose> = None => optional_other("", "a pose");
         /// Size and limits of the robots.

@@ -19,12 +19,5 @@ pub use error::{MAX_TEXT, WorldGeneratorError};
 pub use library::{HALLWAY, LibraryRoom, read_library, write_library};
 pub use project::{Project, read_project, write_project};
 
-/// Unreal units per metre.
-pub const UNITS_A_METRE: f64 = 250.0;
-
-/// Distance between the centres of two neighbouring cells, in Unreal units: a block of 3 m and the wall between two
-/// blocks.
-pub const PITCH_UNITS: f64 = 782.0;
-
 #[cfg(test)]
 mod tests;
