@@ -14,10 +14,11 @@ mod moving;
 mod settings;
 mod setup;
 
+use bevy::ecs::message::MessageRegistry;
 use bevy::prelude::*;
 use bevy_rapier2d::prelude::{
-    ActiveCollisionTypes, ActiveEvents, Collider, CollisionEvent, CollisionGroups, Friction,
-    PhysicsSet, Restitution, Sensor,
+    ActiveCollisionTypes, ActiveEvents, Collider, CollisionEvent, CollisionGroups,
+    ContactForceEvent, Friction, MassModifiedMessage, PhysicsSet, Restitution, Sensor,
 };
 
 pub use height::HeightHooks;
@@ -85,6 +86,21 @@ impl Plugin for EnvgenPhysicsPlugin {
                         .run_if(resource_exists::<Messages<CollisionEvent>>),
                 ),
             );
+    }
+
+    fn finish(&self, app: &mut App) {
+        keep_short::<CollisionEvent>(app);
+        keep_short::<ContactForceEvent>(app);
+        keep_short::<MassModifiedMessage>(app);
+    }
+}
+
+/// Makes Bevy clear old messages of a type that rapier has, which rapier itself does not do. Other plugins may have
+/// done it already, and a message that is registered twice would be cleared too soon.
+fn keep_short<M: Message>(app: &mut App) {
+    if app.world().contains_resource::<Messages<M>>() {
+        MessageRegistry::deregister_messages::<M>(app.world_mut());
+        app.add_message::<M>();
     }
 }
 

@@ -1,10 +1,17 @@
 //! The plugins together with other plugins, and without them.
 
+use std::time::Duration;
+
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
 use bevy_envgen::asset::EnvgenAssetPlugin;
-use bevy_envgen::bevy_rapier2d::prelude::{BevyPhysicsHooks, NoUserData, RapierPhysicsPlugin};
+use bevy_envgen::bevy_rapier2d::prelude::{
+    BevyPhysicsHooks, Collider, CollisionEvent, MassModifiedMessage, NoUserData,
+    RapierPhysicsPlugin, RigidBody,
+};
+use bevy_envgen::bevy_rapier2d::rapier::geometry::CollisionEventFlags;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{
     in_rapier, refuse_ambiguities, spawn_ready, step, test_app, test_app_with, wait_until_ready,
@@ -124,6 +131,51 @@ fn rapier_may_be_there_already_and_may_run_elsewhere() {
         app.cleanup();
         step(&mut app, 5);
         assert!(in_rapier(&mut app).0 > 10);
+    }
+}
+
+#[test]
+fn messages_of_rapier_are_cleared_once_per_frame_in_any_order_of_plugins() {
+    let rapier = |app: &mut App| {
+        app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
+    };
+    let ours = |app: &mut App| {
+        app.add_plugins(EnvgenPlugins::default());
+    };
+    let top_down = |app: &mut App| {
+        app.add_plugins(TopDownPhysicsPlugin::default());
+    };
+    let orders: [&[&dyn Fn(&mut App)]; 5] =
+        [&[&rapier, &ours], &[&ours, &rapier], &[&ours, &top_down], &[&top_down, &ours], &[&ours]];
+    for (number, order) in orders.into_iter().enumerate() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, TransformPlugin));
+        for add in order {
+            add(&mut app);
+        }
+        let frame = TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 64.0));
+        app.insert_resource(frame);
+        app.finish();
+        app.cleanup();
+        step(&mut app, 3);
+        if order.len() == 1 {
+            assert!(!app.world().contains_resource::<Messages<CollisionEvent>>());
+            continue;
+        }
+        let written = |app: &App| {
+            let messages = app.world().resource::<Messages<MassModifiedMessage>>();
+            messages.len() + app.world().resource::<Messages<CollisionEvent>>().len()
+        };
+        let body = (RigidBody::Dynamic, Collider::ball(1.0), Transform::default());
+        let body = app.world_mut().spawn(body).id();
+        step(&mut app, 4);
+        let stopped = CollisionEvent::Stopped(body, body, CollisionEventFlags::empty());
+        app.world_mut().write_message(stopped);
+        app.world_mut().write_message(MassModifiedMessage(body));
+        step(&mut app, 1);
+        assert_eq!(written(&app), 2, "order {number}");
+        step(&mut app, 3);
+        assert_eq!(written(&app), 0, "order {number}");
     }
 }
 
