@@ -47,6 +47,7 @@ mod step;
 use bevy::ecs::intern::Interned;
 use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
+use bevy::transform::TransformSystems;
 
 pub use agent::ScenarioAgent;
 pub use envgen::scenario::{
@@ -65,7 +66,7 @@ pub(crate) use run::remove;
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
 
 /// The system set that moves doors, people and smoke. It is after rapier's `PhysicsSet::Writeback`, so that
-/// they react to the current positions of bodies.
+/// they react to the current positions of bodies, and before Bevy propagates transforms.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ScenarioSystems;
 
@@ -108,7 +109,10 @@ impl Plugin for EnvgenScenarioPlugin {
                 main,
                 run::start.after(EnvgenSystems::Stream).before(EnvgenSystems::Notify),
             )
-            .configure_sets(self.schedule, ScenarioSystems.after(EnvgenSystems::Notify))
+            .configure_sets(
+                self.schedule,
+                ScenarioSystems.after(EnvgenSystems::Notify).before(TransformSystems::Propagate),
+            )
             .add_systems(
                 self.schedule,
                 (agent::locate, step::step, step::place, step::place_leaves)

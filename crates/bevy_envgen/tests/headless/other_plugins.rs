@@ -46,6 +46,22 @@ fn no_two_of_our_systems_are_ambiguous() {
 }
 
 #[test]
+fn scenarios_in_the_schedule_of_transform_propagation_are_not_ambiguous() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, TransformPlugin));
+    app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
+    app.add_plugins(EnvgenPlugins::default().build().disable::<EnvgenScenarioPlugin>());
+    app.add_plugins(EnvgenScenarioPlugin::new(PostUpdate));
+    app.finish();
+    app.cleanup();
+    refuse_ambiguities(&mut app);
+    let moving = ScenarioSpec { people: 2, smoke: 0.1, ..default() };
+    app.world_mut().spawn((hallway(), EnvironmentScenario::new(moving, 1)));
+    step(&mut app, 3);
+    assert_eq!(app.world_mut().query::<&Person>().iter(app.world()).count(), 2);
+}
+
+#[test]
 #[should_panic(expected = "ambigu")]
 fn an_ambiguity_would_show() {
     let mut app = test_app();
