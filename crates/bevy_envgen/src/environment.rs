@@ -243,7 +243,8 @@ pub enum EnvironmentState {
     Streaming,
     /// All parts are spawned, or in a streamed world all tiles around the anchor.
     Ready,
-    /// Generation failed; see [`EnvironmentFailure`]. The previous world, if any, is kept.
+    /// Generation failed; see [`EnvironmentFailure`]. The previous world, if any, is kept, except if the
+    /// transform is not allowed ([`EnvironmentError::Transform`]).
     Failed,
 }
 
@@ -265,7 +266,9 @@ pub struct EnvironmentReady {
 }
 
 /// An event that is triggered on an environment, and written as a message, when its world cannot be made. The
-/// previous world is kept. The error is also stored on the entity; see [`EnvironmentFailure`].
+/// previous world, if any, is kept, except if the transform of the environment is not allowed
+/// ([`EnvironmentError::Transform`]): then there is no world until it is. The error is also stored on the
+/// entity; see [`EnvironmentFailure`].
 #[derive(EntityEvent, Message, Clone, Debug)]
 pub struct EnvironmentFailed {
     /// The environment.

@@ -285,7 +285,7 @@ fn suspend(world: &mut World, entity: Entity) {
     clear(world, entity);
     crate::scenario::remove(world, entity);
     if let Ok(mut root) = world.get_entity_mut(entity) {
-        root.remove::<(GroundTruth, EndlessTruth, Streaming)>();
+        root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
     }
     insert(world, entity, SpawnedTiles { suspended: true, ..default() });
 }

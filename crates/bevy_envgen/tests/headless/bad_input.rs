@@ -262,6 +262,7 @@ fn transforms_that_cannot_carry_a_world_are_named_and_mended() {
         step(&mut app, 4);
         assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed), "{what}");
         assert_eq!((spawned(&mut app), in_rapier(&mut app).0), (0, 0));
+        assert!(!app.world().entity(root).contains::<EnvironmentStats>());
         *app.world_mut().get_mut::<Transform>(root).unwrap() = Transform::default();
         step(&mut app, 4);
         assert_eq!(parts(&app, root).len(), sound);
