@@ -140,22 +140,25 @@ pub(crate) fn collect(
         let task = task.bypass_change_detection();
         let Some(outcome) = task.running.as_mut().and_then(check_ready) else { continue };
         task.running = None;
-        let mut root = commands.entity(entity);
-        match outcome {
-            Ok(difficulty) => {
-                root.try_insert(difficulty);
-            }
-            Err(error) => {
-                root.try_insert(DifficultyFailure(error));
-            }
-        }
-        commands.queue(move |world: &mut bevy::ecs::world::World| {
-            if world.get_entity(entity).is_ok() {
-                let computed = DifficultyComputed { entity };
-                world.write_message(computed.clone());
-                world.trigger(computed);
-            }
-        });
+        commands.queue(move |world: &mut bevy::ecs::world::World| report(world, entity, outcome));
+    }
+}
+
+/// Inserts and reports a result, unless its request or its world has been removed since.
+fn report(world: &mut bevy::ecs::world::World, entity: Entity, outcome: Outcome) {
+    let Ok(mut root) = world.get_entity_mut(entity) else { return };
+    // Where the request or the world was removed, the task has been reset.
+    if root.get::<DifficultyTask>().is_none_or(|task| task.asked.is_none()) {
+        return;
+    }
+    match outcome {
+        Ok(difficulty) => root.insert(difficulty),
+        Err(error) => root.insert(DifficultyFailure(error)),
+    };
+    if world.get_entity(entity).is_ok() {
+        let computed = DifficultyComputed { entity };
+        world.write_message(computed.clone());
+        world.trigger(computed);
     }
 }
 

@@ -141,3 +141,27 @@ fn environments_that_are_despawned_meanwhile_do_no_harm() {
     app.world_mut().entity_mut(bare).insert(Environment::prebuilt(world));
     assert_eq!(wait(&mut app), bare);
 }
+
+#[test]
+fn a_request_that_is_removed_when_its_result_arrives_has_no_result() {
+    let mut app = user_app();
+    let asked = (map(1), ComputeDifficulty::default());
+    let roots = [(); 2].map(|()| app.world_mut().spawn(asked.clone()).id());
+    // The first result removes the request of the other environment.
+    let remove = move |computed: On<DifficultyComputed>, mut commands: Commands| {
+        for root in roots.into_iter().filter(|root| *root != computed.entity) {
+            commands.entity(root).remove::<ComputeDifficulty>();
+        }
+    };
+    app.add_observer(remove);
+    app.update();
+    // Both results are ready in the same frame.
+    std::thread::sleep(Duration::from_millis(500));
+    let first = wait(&mut app);
+    app.update();
+    for root in roots {
+        let has_result = app.world().get::<EnvironmentDifficulty>(root).is_some();
+        assert_eq!(has_result, root == first);
+    }
+    assert_eq!(app.world().resource::<Reported>().0, [first]);
+}
