@@ -92,8 +92,8 @@ pub(super) struct DrawnSky(Handle<Image>);
 /// A filter for cameras without a sky, to which none was added before.
 type Bare = (With<Camera3d>, Without<Sky>, Without<Skybox>, Without<GivenSky>);
 
-/// A filter for cameras whose sky is new or has changed.
-type Renewed = (With<Camera3d>, Changed<Sky>);
+/// A filter for cameras whose sky is new or has changed. The sky may be older than the camera.
+type Renewed = (With<Camera3d>, Or<(Changed<Sky>, Added<Camera3d>)>);
 
 /// Removes the skies that were added to cameras, once the settings no longer ask for them.
 pub(super) fn take_skies(

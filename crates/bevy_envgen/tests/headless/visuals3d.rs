@@ -435,6 +435,17 @@ fn the_sky_is_switched_on_and_off() {
 }
 
 #[test]
+fn a_sky_from_before_its_camera_is_drawn() {
+    let mut app = app();
+    let camera = app.world_mut().spawn(Sky::default()).id();
+    step(&mut app, 2);
+    assert!(!app.world().entity(camera).contains::<Skybox>());
+    app.world_mut().entity_mut(camera).insert(Camera3d::default());
+    step(&mut app, 2);
+    assert!(app.world().entity(camera).contains::<Skybox>());
+}
+
+#[test]
 fn clones_and_scenes_are_drawn_once() {
     let mut app =
         test_app_with((MeshPlugin, EnvgenCorePlugin::default(), EnvgenVisuals3dPlugin::default()));
