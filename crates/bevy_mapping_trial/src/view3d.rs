@@ -43,13 +43,16 @@ pub struct RobotVisuals3dPlugin;
 
 impl Plugin for RobotVisuals3dPlugin {
     fn build(&self, app: &mut App) {
-        app.register_type::<RobotPart>().add_observer(draw_inserted).add_systems(
-            PostUpdate,
-            (draw_present.run_if(run_once), remove_clones)
-                .chain()
-                .before(TransformSystems::Propagate)
-                .before(VisibilitySystems::VisibilityPropagate),
-        );
+        app.register_type::<RobotPart>()
+            .add_observer(draw_inserted)
+            .add_observer(remove_parts)
+            .add_systems(
+                PostUpdate,
+                (draw_present.run_if(run_once), remove_clones)
+                    .chain()
+                    .before(TransformSystems::Propagate)
+                    .before(VisibilitySystems::VisibilityPropagate),
+            );
         require_visibility(app);
     }
 }
@@ -109,6 +112,19 @@ struct Drawing<'w, 's> {
 /// Draws a robot when its model is inserted or replaced.
 fn draw_inserted(inserted: On<Insert, RobotModel>, mut drawing: Drawing<'_, '_>) {
     drawing.draw(inserted.entity);
+}
+
+/// Despawns the meshes of a robot whose model is removed.
+fn remove_parts(
+    removed: On<Remove, RobotModel>,
+    robots: Query<&DrawnParts>,
+    mut commands: Commands,
+) {
+    let Ok(drawn) = robots.get(removed.entity) else { return };
+    for &part in &drawn.0 {
+        commands.entity(part).try_despawn();
+    }
+    commands.entity(removed.entity).try_remove::<DrawnParts>();
 }
 
 /// Draws the robots that an app spawned before it added the plugin.
@@ -248,6 +264,29 @@ mod tests {
         let [early, late] =
             [early, late].map(|robot| app.world().get::<Children>(robot).expect("its parts").len());
         assert!(late > 0 && early == late, "{early} {late}");
+    }
+
+    #[test]
+    fn a_robot_without_its_model_is_no_longer_drawn() {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default(), RobotVisuals3dPlugin));
+        app.init_asset::<Mesh>().init_asset::<StandardMaterial>();
+        let robot = app.world_mut().spawn(RobotModel::default()).id();
+        let drawn = |app: &mut App| app.world_mut().query::<&RobotPart>().iter(app.world()).count();
+        app.update();
+        let parts = drawn(&mut app);
+        assert!(parts > 0);
+        app.world_mut().entity_mut(robot).remove::<RobotModel>();
+        app.update();
+        assert_eq!(drawn(&mut app), 0);
+        for _ in 0..2 {
+            app.world_mut().entity_mut(robot).insert(RobotModel::default());
+            app.update();
+            assert_eq!(drawn(&mut app), parts);
+        }
+        app.world_mut().despawn(robot);
+        app.update();
+        assert_eq!(drawn(&mut app), 0);
     }
 
     #[test]

@@ -97,6 +97,7 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .add_observer(moving::draw_person)
             .add_observer(moving::draw_figure)
             .add_observer(moving::draw_leaf)
+            .add_observer(moving::remove_figure)
             .add_observer(sky::remove_skybox)
             .add_observer(smoke::draw_smoke);
         smoke::build(app);

@@ -85,6 +85,18 @@ pub(super) fn draw_figure(added: On<Add, Figure>, mut commands: Commands) {
     });
 }
 
+/// Despawns the mesh of a figure that is removed.
+pub(super) fn remove_figure(
+    removed: On<Remove, Figure>,
+    figures: Query<&DrawnFigure>,
+    mut commands: Commands,
+) {
+    if let Ok(&DrawnFigure(body)) = figures.get(removed.entity) {
+        commands.entity(body).try_despawn();
+        commands.entity(removed.entity).try_remove::<DrawnFigure>();
+    }
+}
+
 /// Despawns the meshes that were spawned from a scene, or cloned, together with their figure, since the
 /// figure has a new mesh of its own.
 pub(super) fn remove_clones(

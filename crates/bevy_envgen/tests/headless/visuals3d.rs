@@ -446,6 +446,21 @@ fn a_sky_from_before_its_camera_is_drawn() {
 }
 
 #[test]
+fn a_figure_that_is_removed_is_no_longer_drawn() {
+    let mut app = app();
+    let player = app.world_mut().spawn(Figure).id();
+    let drawn = |app: &mut App| app.world_mut().query::<&Mesh3d>().iter(app.world()).count();
+    step(&mut app, 1);
+    assert_eq!(drawn(&mut app), 1);
+    app.world_mut().entity_mut(player).remove::<Figure>();
+    step(&mut app, 1);
+    assert_eq!(drawn(&mut app), 0);
+    app.world_mut().entity_mut(player).insert(Figure);
+    step(&mut app, 1);
+    assert_eq!(drawn(&mut app), 1);
+}
+
+#[test]
 fn clones_and_scenes_are_drawn_once() {
     let mut app =
         test_app_with((MeshPlugin, EnvgenCorePlugin::default(), EnvgenVisuals3dPlugin::default()));
