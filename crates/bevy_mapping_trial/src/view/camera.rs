@@ -1,5 +1,7 @@
 //! Cameras that follow robots or show the whole map.
 
+use std::collections::BTreeMap;
+
 use bevy::camera::ScalingMode;
 use bevy::math::Affine3A;
 use bevy::prelude::*;
@@ -42,9 +44,12 @@ const LEAST: f32 = 10.0;
 /// shows.
 const ARROW: f32 = 0.06;
 
-/// A marker component of an arrow at the position of a robot, for maps.
+/// A component of an arrow at the position of a robot, for maps.
 #[derive(Component)]
-pub(super) struct MapMark;
+pub(super) struct MapMark {
+    /// The environment of the trial.
+    pub(super) trial: Entity,
+}
 
 /// What a camera shows, in metres of the environment.
 #[derive(Clone, Copy)]
@@ -65,7 +70,7 @@ type Places<'w, 's> = ParamSet<
     (
         TransformHelper<'static, 'static>,
         Query<'static, 'static, (&'static mut Transform, &'static mut Projection)>,
-        Query<'static, 'static, &'static mut Transform, With<MapMark>>,
+        Query<'static, 'static, (&'static MapMark, &'static mut Transform)>,
     ),
 >;
 
@@ -83,25 +88,25 @@ pub(super) fn follow(
     }
 }
 
-/// Fits cameras to their maps, and the arrows to the last of these cameras.
+/// Fits cameras to their maps, and the arrows of each trial to the last of its cameras.
 pub(super) fn show_maps(
     trials: Query<&TrialSights, With<TrialView>>,
     cameras: Query<(Entity, &ShowWholeMap, Above<'_>)>,
     mut places: Places<'_, '_>,
 ) {
-    let mut arrow = None;
+    let mut arrows = BTreeMap::new();
     for (camera, whole, above) in &cameras {
         let Ok(sights) = trials.get(whole.trial) else { continue };
         let Some(map) = sights.map else { continue };
         let size = (map.size() + 2.0 * whole.margin).max(Vec2::splat(LEAST));
         look(&mut places, camera, above, (whole.trial, map.center()), Shown::Area(size));
-        arrow = Some(ARROW * size.max_element());
+        arrows.insert(whole.trial, ARROW * size.max_element());
     }
-    for mut mark in &mut places.p2() {
-        if let Some(length) = arrow
-            && mark.scale.x != length
+    for (mark, mut place) in &mut places.p2() {
+        if let Some(&length) = arrows.get(&mark.trial)
+            && place.scale.x != length
         {
-            mark.scale = Vec3::new(length, length, 1.0);
+            place.scale = Vec3::new(length, length, 1.0);
         }
     }
 }

@@ -170,7 +170,8 @@ impl Drawing {
                 renewed: None,
             };
             let above = Transform::from_xyz(0.0, 0.0, MARK - BODY);
-            commands.entity(mark).try_insert((MapMark, above, RenderLayers::layer(MINIMAP_LAYER)));
+            let of = MapMark { trial: environment };
+            commands.entity(mark).try_insert((of, above, RenderLayers::layer(MINIMAP_LAYER)));
             drawn
         });
         let robots = robots.collect();

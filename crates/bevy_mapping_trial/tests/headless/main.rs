@@ -18,3 +18,5 @@ mod trial;
 mod view;
 #[cfg(feature = "render")]
 mod view_despawned;
+#[cfg(feature = "render")]
+mod view_several;
