@@ -14,13 +14,13 @@ pub enum MappingTrialError {
     /// The settings, the start or the log is invalid.
     #[error(transparent)]
     Trial(#[from] TrialError),
-    /// Bevy's fixed step is not a tick.
+    /// Bevy's fixed step, or the step of the schedule of trials, is not a tick.
     #[error(
         "the fixed step is {found} s, but a trial needs {} s: use `TopDownPhysicsPlugin::for_trials`",
         mapping_trial::backend::TICK
     )]
     FixedStep {
-        /// The fixed step in seconds.
+        /// The step in seconds.
         found: f64,
     },
     /// Rapier's step is not a tick.

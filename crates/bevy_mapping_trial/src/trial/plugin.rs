@@ -28,7 +28,7 @@ pub struct TrialPlugin {
 
 impl TrialPlugin {
     /// Creates the plugin with its systems in `schedule` instead of `FixedUpdate`. It must be rapier's
-    /// schedule.
+    /// schedule, and time must advance by a tick whenever it runs.
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         TrialPlugin { schedule: schedule.intern() }
     }

@@ -44,6 +44,7 @@ type Asked = (
 /// Begins trials whose worlds are ready, and restarts trials whose worlds or scenarios have changed.
 pub(super) fn begin(
     mut trials: Query<Asked>,
+    clock: Res<Time>,
     fixed: Res<Time<Fixed>>,
     rapier: Option<Res<TimestepMode>>,
     mut commands: Commands,
@@ -55,7 +56,7 @@ pub(super) fn begin(
             world: truth.0.clone(),
             scenario: moving.as_ref().map(|moving| moving.added()),
         };
-        let suits = check(&fixed, rapier.as_deref(), transform);
+        let suits = check(&clock, &fixed, rapier.as_deref(), transform);
         let stays = match &trial.state {
             State::Waiting | State::Nowhere(_) => false,
             // The time steps, the scale or the scenario may have been corrected since.
@@ -211,15 +212,19 @@ fn prepare(
     }
 }
 
-/// Checks that the time steps and the transform of the environment are valid for a trial.
+/// Checks that the time steps and the transform of the environment are valid for a trial. The clock is that of
+/// the schedule of trials, in which a tick must be a step.
 fn check(
+    clock: &Time,
     fixed: &Time<Fixed>,
     rapier: Option<&TimestepMode>,
     transform: &GlobalTransform,
 ) -> Result<(), MappingTrialError> {
     let tick = |seconds: f64| (seconds / TICK - 1.0).abs() < TOLERANCE;
-    let found = fixed.timestep().as_secs_f64();
-    if !tick(found) {
+    // In `FixedUpdate` both are the same. Time does not advance in the first frame of an app.
+    let steps = [Some(fixed.timestep()), Some(clock.delta()).filter(|delta| !delta.is_zero())];
+    let mut steps = steps.into_iter().flatten().map(|step| step.as_secs_f64());
+    if let Some(found) = steps.find(|&step| !tick(step)) {
         return Err(MappingTrialError::FixedStep { found });
     }
     match rapier {

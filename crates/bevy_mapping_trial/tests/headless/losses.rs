@@ -1,9 +1,12 @@
 //! Trials that lose their world or their robots.
 
+use std::time::Duration;
+
 use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, step};
-use bevy_mapping_trial::bevy_rapier2d::prelude::TimestepMode;
+use bevy_mapping_trial::bevy_rapier2d::prelude::{NoUserData, RapierPhysicsPlugin, TimestepMode};
 use bevy_mapping_trial::prelude::*;
 use mapping_trial::backend::Command;
 use mapping_trial::trial::{EndReason, TrialSettings};
@@ -157,6 +160,30 @@ fn a_trial_fails_where_a_step_is_no_tick_until_that_is_corrected() {
         step(&mut app, 20);
         assert_eq!(reported(&app)[2..], ["started"]);
         assert_eq!(robots(&mut app), 1);
+    }
+}
+
+#[test]
+fn a_trial_fails_in_a_schedule_whose_step_is_no_tick() {
+    for (frame, outcome) in [(0.1, "the fixed step is 0.1 s"), (0.05, "started")] {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, TransformPlugin));
+        app.insert_resource(Time::<Fixed>::from_seconds(0.05))
+            .insert_resource(TimestepMode::Fixed { dt: 0.05, substeps: 4 })
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(frame)));
+        app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
+        let scenarios = EnvgenScenarioPlugin::new(PostUpdate);
+        app.add_plugins(EnvgenPlugins::default().build().disable::<EnvgenScenarioPlugin>());
+        app.add_plugins((scenarios, TrialPlugin::new(PostUpdate)));
+        app.finish();
+        app.cleanup();
+        listen(&mut app);
+        // Time does not advance in the first frame.
+        step(&mut app, 1);
+        app.world_mut().spawn((environment(), MappingTrial::new(short(60.0))));
+        step(&mut app, 20);
+        assert!(reported(&app).len() == 1, "{:?}", reported(&app));
+        assert!(reported(&app)[0].starts_with(outcome), "{:?}", reported(&app));
     }
 }
 
