@@ -18,7 +18,8 @@ use super::error::MappingTrialError;
 ///
 /// The trial begins once the world is ready: its robots are spawned as children of the environment, with the
 /// component [`TrialRobot`], and [`TrialStarted`](super::TrialStarted) is triggered. When the environment
-/// gets another world, the trial begins again. While it has no world, for example while it is tilted, there
+/// gets another world, or its world is rebuilt, the trial begins again, even if it has ended: take what you
+/// need of an ended trial before. While there is no world, for example while the environment is tilted, there
 /// are no robots. Without an environment, the trial fails until there is one. A robot that is despawned no
 /// longer takes part in the trial.
 ///

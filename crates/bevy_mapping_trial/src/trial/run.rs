@@ -488,7 +488,7 @@ pub(super) fn lose_world(
 ) {
     let Ok(mut trial) = trials.get_mut(lost.entity) else { return };
     dismiss(trial.robots(), &mut commands);
-    if matches!(trial.state, State::Warming(_) | State::Running(_)) {
+    if matches!(trial.state, State::Warming(_) | State::Running(_) | State::Over(_)) {
         trial.state = State::Waiting;
     }
 }

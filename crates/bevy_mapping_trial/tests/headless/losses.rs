@@ -66,6 +66,35 @@ fn no_trial_runs_in_an_environment_that_is_tilted() {
 }
 
 #[test]
+fn a_trial_that_has_ended_begins_again_when_its_world_is_rebuilt() {
+    let generated = HallwaySpec { segments: 4, ..Default::default() };
+    let generated = Environment::new(generated, 7).with_pace(GenerationMode::Blocking);
+    for environment in [environment(), generated] {
+        let mut app = app(20.0);
+        listen(&mut app);
+        let root = app.world_mut().spawn((environment, MappingTrial::new(short(2.0)))).id();
+        step(&mut app, 60);
+        assert_eq!(reported(&app), ["started", "ended"]);
+        assert_eq!(robots(&mut app), 1);
+        app.world_mut().trigger(RebuildEnvironment { entity: root });
+        step(&mut app, 20);
+        assert_eq!(reported(&app), ["started", "ended", "started"]);
+        assert_eq!(robots(&mut app), 1);
+        // While the environment is tilted, there are no robots, and the trial names none.
+        step(&mut app, 40);
+        assert!(trial(&app, root).is_over());
+        let tilted = Transform::from_rotation(Quat::from_rotation_x(0.3));
+        app.world_mut().entity_mut(root).insert(tilted);
+        step(&mut app, 5);
+        assert!(trial(&app, root).robots().is_empty() && !trial(&app, root).is_over());
+        app.world_mut().entity_mut(root).insert(Transform::IDENTITY);
+        step(&mut app, 20);
+        assert_eq!(reported(&app)[4..], ["started"]);
+        assert_eq!(robots(&mut app), 1);
+    }
+}
+
+#[test]
 fn a_robot_that_is_despawned_ends_its_part() {
     let mut app = app(20.0);
     let root = running(&mut app, TrialSettings { robots: 2, ..short(20.0) });
