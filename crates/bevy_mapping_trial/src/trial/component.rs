@@ -102,6 +102,10 @@ impl MappingTrial {
     /// Creates the replay of a log of engine [`ENGINE`](super::ENGINE). The world of the environment must be
     /// that of the log. The replay is exact to the last bit if transform, origin and colliders are those of
     /// the environment in which the log was made.
+    ///
+    /// Until the component is removed, the doors, people and smoke of the log replace those that the
+    /// [`EnvironmentScenario`](bevy_envgen::EnvironmentScenario) of the environment requests. Then the original
+    /// request is restored, unless the app has inserted another one.
     pub fn replay(log: TrialLog) -> Self {
         MappingTrial::of(Request::Replay(Box::new(log)))
     }

@@ -39,8 +39,8 @@
 //! A trial includes the doors, people and smoke of the
 //! [`EnvironmentScenario`](bevy_envgen::EnvironmentScenario) of its environment from their beginning, the
 //! same as in the flat simulator. The log contains them and the commands of an app to the doors, and a replay
-//! uses only those of the log. Everything else that an app adds to the world is not in the log. Like another
-//! world, another scenario in the environment makes the trial begin again.
+//! uses only those of the log, until it is removed. Everything else that an app adds to the world is not in
+//! the log. Like another world, another scenario in the environment makes the trial begin again.
 
 mod bodies;
 mod camera;
@@ -53,6 +53,7 @@ mod headless;
 mod physics;
 mod plugin;
 mod run;
+mod scenario;
 
 pub use bodies::{ENGINE, RapierRobots};
 pub use component::{ManualControl, MappingTrial, TrialRobot};

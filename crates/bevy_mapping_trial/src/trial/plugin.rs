@@ -7,7 +7,7 @@ use bevy_envgen::EnvgenSystems;
 use bevy_rapier2d::prelude::PhysicsSet;
 
 use super::component::{ManualControl, MappingTrial, TrialRobot};
-use super::{clones, colliders, run};
+use super::{clones, colliders, run, scenario};
 use crate::robot::{RobotPlugin, RobotSystems};
 
 /// The system sets of trials, before and after those of robots.
@@ -52,6 +52,8 @@ impl Plugin for TrialPlugin {
             .add_observer(colliders::give_back)
             .add_observer(colliders::give_to_clones)
             .add_observer(run::lose_world)
+            .add_observer(scenario::give_back)
+            .add_observer(scenario::give_to_clones)
             .configure_sets(
                 self.schedule,
                 (

@@ -1,7 +1,6 @@
 //! The systems that run trials.
 
 use bevy::prelude::*;
-use bevy_envgen::scenario::RestartScenario;
 use bevy_envgen::{
     EndlessTruth, Environment, EnvironmentScenario, EnvironmentState, GroundTruth, ScenarioFailure,
     ScenarioRun, SpawnedOrigin,
@@ -18,6 +17,7 @@ use super::camera::Camera;
 use super::component::{ManualControl, MappingTrial, Place, Request, Run, State, TrialRobot};
 use super::error::MappingTrialError;
 use super::event::{TrialEnded, TrialFailed, TrialStarted};
+use super::scenario::{ReplacedScenario, prepare, release};
 use crate::robot::{
     Battery, Bumper, DriveCommand, LaserScan, LaserScanner, RobotCondition, RobotModel, TruePose,
     WheelOdometry,
@@ -36,6 +36,7 @@ type Asked = (
     &'static GlobalTransform,
     (
         Option<&'static EnvironmentScenario>,
+        Option<&'static ReplacedScenario>,
         Option<&'static mut ScenarioRun>,
         Option<&'static ScenarioFailure>,
     ),
@@ -50,7 +51,7 @@ pub(super) fn begin(
     mut commands: Commands,
 ) {
     for (entity, mut trial, origin, state, truth, transform, scenario) in &mut trials {
-        let (request, mut moving, failure) = scenario;
+        let (request, replaced, mut moving, failure) = scenario;
         let has_scenario_failed = failure.is_some();
         let place = Place {
             world: truth.0.clone(),
@@ -91,7 +92,8 @@ pub(super) fn begin(
         let suited = suits.is_ok();
         let checked = suits.and_then(|()| {
             let root = &mut commands.entity(entity);
-            let is_ready = prepare(&trial.ask, request, moving.as_deref_mut(), failure, root)?;
+            let requests = (request, replaced);
+            let is_ready = prepare(&trial.ask, requests, moving.as_deref_mut(), failure, root)?;
             is_ready.then(|| start(&trial, &place.world, moving.as_deref())).transpose()
         });
         match checked {
@@ -151,64 +153,9 @@ pub(super) fn refuse_places(
     }
 }
 
-/// Resumes a scenario that a trial has paused.
-fn release(moving: Option<&mut ScenarioRun>) {
-    if let Some(moving) = moving {
-        moving.set_paused(false);
-        moving.set_ignores_commands(false);
-    }
-}
-
 impl Place {
     fn is(&self, other: &Place) -> bool {
         std::sync::Arc::ptr_eq(&self.world, &other.world) && self.scenario == other.scenario
-    }
-}
-
-/// Prepares the scenario of an environment for a trial. A replay needs the scenario of its log. The scenario
-/// must be at its beginning, paused until the robots are ready. Returns whether the trial can begin.
-fn prepare(
-    ask: &Request,
-    request: Option<&EnvironmentScenario>,
-    moving: Option<&mut ScenarioRun>,
-    failure: Option<&ScenarioFailure>,
-    root: &mut EntityCommands<'_>,
-) -> Result<bool, MappingTrialError> {
-    if let Request::Replay(log) = ask {
-        match &log.scenario {
-            Some(logged) if moving.as_ref().is_none_or(|moving| moving.scenario() != logged) => {
-                let wanted = EnvironmentScenario::prebuilt(logged.clone());
-                if request != Some(&wanted) {
-                    root.insert(wanted).remove::<ScenarioFailure>();
-                    return Ok(false);
-                }
-                return failure.map_or(Ok(false), |failure| Err(failure.0.clone().into()));
-            }
-            None if request.is_some() => {
-                root.remove::<EnvironmentScenario>();
-                return Ok(false);
-            }
-            _ => {}
-        }
-    }
-    let is_replay = matches!(ask, Request::Replay(_));
-    // An app may command doors before the first tick.
-    let waits = |moving: &ScenarioRun| {
-        let is_ours = !is_replay || moving.ignores_commands();
-        moving.is_paused() && moving.state().tick() == 0 && is_ours
-    };
-    match (request, moving, failure) {
-        (None, None, _) => Ok(true),
-        (_, _, Some(failure)) => Err(failure.0.clone().into()),
-        (_, Some(moving), None) if waits(moving) => Ok(true),
-        (_, Some(moving), None) => {
-            // The scenario is restarted with new entities, so that rapier has no memory of the old ones.
-            moving.set_paused(true);
-            moving.set_ignores_commands(is_replay);
-            root.trigger(|entity| RestartScenario { entity });
-            Ok(false)
-        }
-        (Some(_), None, None) => Ok(false),
     }
 }
 

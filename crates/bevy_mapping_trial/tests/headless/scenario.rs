@@ -191,6 +191,49 @@ fn later_trials_in_an_app_begin_with_the_scenario_and_replay_too() {
     }
 }
 
+#[test]
+fn a_replay_restores_the_scenario_that_it_replaced() {
+    let world = indoor();
+    let scenario = of(&world, ScenarioSpec { people: 3, ..default() });
+    let other = EnvironmentScenario::new(ScenarioSpec { people: 1, ..default() }, 4);
+    for logged in [Some(scenario.clone()), None] {
+        let parts = TrialParts::default();
+        let log = run_headless_with(&world, settings(1.0), parts, logged.clone(), |_| ());
+        let log = log.unwrap().log();
+        let wanted = logged.clone().map(EnvironmentScenario::prebuilt);
+        let mut app = app();
+        let root = spawn(&mut app, &world, &scenario);
+        let request = |app: &App, root: Entity| app.world().get(root).cloned();
+        for before in [Some(other.clone()), None] {
+            let mut entity = app.world_mut().entity_mut(root);
+            match &before {
+                Some(before) => entity.insert(before.clone()),
+                None => entity.remove::<EnvironmentScenario>(),
+            };
+            // One replay after the other.
+            for _ in 0..2 {
+                app.world_mut().entity_mut(root).insert(MappingTrial::replay(log.clone()));
+                step(&mut app, 60);
+                assert_eq!(request(&app, root), wanted);
+                assert!(app.world().get::<MappingTrial>(root).unwrap().is_over());
+            }
+            let clone = app.world_mut().entity_mut(root).clone_and_spawn();
+            app.world_mut().entity_mut(root).remove::<MappingTrial>();
+            step(&mut app, 2);
+            assert_eq!(request(&app, root), before);
+            assert_eq!(request(&app, clone), before);
+            app.world_mut().despawn(clone);
+        }
+        // A scenario that the app has inserted after the replay is kept.
+        app.world_mut().entity_mut(root).insert(MappingTrial::replay(log));
+        step(&mut app, 60);
+        let own = EnvironmentScenario::new(ScenarioSpec { people: 2, ..default() }, 4);
+        app.world_mut().entity_mut(root).insert(own.clone()).remove::<MappingTrial>();
+        step(&mut app, 2);
+        assert_eq!(request(&app, root), Some(own));
+    }
+}
+
 /// Commands some doors in every tick, except those of replays.
 fn command_doors(mut doors: Query<&mut Door>, mut ticks: Local<u32>) {
     *ticks += 1;
