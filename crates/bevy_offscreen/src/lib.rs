@@ -23,7 +23,7 @@
 //!
 //! | feature | default | what it adds |
 //! |---|---|---|
-//! | `render` | no | `Studio`, `CapturePlugin`, `TakePicture` and `find_renderer`; only this feature and those that include it need rendering crates |
+//! | `render` | no | `Studio`, `CapturePlugin`, `TakePicture`, `DrawnFrames` and `find_renderer`; only this feature and those that include it need rendering crates |
 //! | `render3d` | no | cameras in three dimensions for `Studio` |
 //!
 //! Without features the crate has [`CapturedImage`], [`Film`] and [`Frames`], for images that the app already
@@ -32,6 +32,8 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod captured_image;
+#[cfg(feature = "render")]
+mod drawn_frames;
 mod error;
 mod film;
 #[cfg(feature = "render")]
@@ -41,6 +43,8 @@ mod studio;
 mod whole_file;
 
 pub use captured_image::CapturedImage;
+#[cfg(feature = "render")]
+pub use drawn_frames::{DrawnFrames, DrawnFramesPlugin};
 pub use error::{CaptureError, MAX_SIDE};
 pub use film::{Film, Frames};
 #[cfg(feature = "render")]

@@ -9,12 +9,13 @@ use bevy::render::view::screenshot::{Capturing, Screenshot, ScreenshotCaptured};
 use bevy::window::PrimaryWindow;
 
 use crate::captured_image::CapturedImage;
+use crate::drawn_frames::{DrawnFrames, DrawnFramesPlugin};
 use crate::error::{CaptureError, MOST_FRAMES};
 
 /// An event that requests a picture of what a camera draws into an image or a window, as a PNG file.
 ///
 /// A few frames later [`PictureTaken`] or [`PictureFailed`] is triggered on the camera. A camera that is not
-/// active draws until then.
+/// active draws until then. While Bevy compiles pipelines, the picture waits, so that it lacks nothing.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TakePicture {
     /// The entity of the camera.
@@ -54,6 +55,9 @@ pub struct CapturePlugin;
 
 impl Plugin for CapturePlugin {
     fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<DrawnFramesPlugin>() {
+            app.add_plugins(DrawnFramesPlugin);
+        }
         app.add_observer(take)
             .add_observer(fail)
             .add_systems(Last, (capture_woken, give_up).chain());
@@ -67,8 +71,12 @@ struct Asked {
     source: RenderTarget,
     target: NormalizedRenderTarget,
     requests: Vec<Request>,
-    /// The number of frames since the first request.
+    /// The number of frames since the first request, or since the last screenshot.
     frames: u32,
+    /// The frame in which the screenshot was requested of Bevy.
+    shot: u64,
+    /// The number of screenshots that were not complete.
+    incomplete: u32,
 }
 
 struct Request {
@@ -83,6 +91,7 @@ fn take(
     request: On<TakePicture>,
     mut cameras: Query<(&mut Camera, &RenderTarget, Option<&Supersampling>)>,
     windows: Query<Entity, With<PrimaryWindow>>,
+    drawn: Res<DrawnFrames>,
     mut commands: Commands,
 ) {
     let TakePicture { entity: camera, path } = request.event().clone();
@@ -103,6 +112,7 @@ fn take(
         commands.trigger(PictureFailed { entity: camera, error });
         return;
     };
+    let shot = drawn.current();
     commands.queue(move |world: &mut World| {
         let mut waiting =
             world.query_filtered::<(&mut Asked, Has<Screenshot>), Without<Capturing>>();
@@ -112,13 +122,19 @@ fn take(
         let found = waiting.iter_mut(world).find(|(asked, is_due)| suits(asked, *is_due));
         if let Some((mut asked, _)) = found {
             asked.requests.push(request);
+            if wakes {
+                // The screenshot waits for this camera too.
+                asked.frames = 0;
+            }
             return;
         }
-        let asked = Asked { source: source.clone(), target, requests: vec![request], frames: 0 };
+        let (source, requests) = (source.clone(), vec![request]);
+        let asked = Asked { source, target, requests, frames: 0, shot, incomplete: 0 };
+        let screenshot = Screenshot(asked.source.clone());
         let mut picture = world.spawn(asked);
         picture.observe(answer);
         if !wakes {
-            picture.insert(Screenshot(source));
+            picture.insert(screenshot);
         }
     });
 }
@@ -126,10 +142,18 @@ fn take(
 /// Filters for requests that are not passed on to Bevy yet.
 type Unasked = (Without<Screenshot>, Without<Capturing>);
 
-/// Requests screenshots of the cameras that have been active for a whole frame.
-fn capture_woken(waiting: Query<(Entity, &Asked), Unasked>, mut commands: Commands) {
-    for (entity, asked) in &waiting {
-        if asked.frames > 0 && !asked.requests.is_empty() {
+/// Requests screenshots of the cameras that have been active for a whole frame, one of each target.
+fn capture_woken(
+    mut waiting: Query<(Entity, &mut Asked), Unasked>,
+    due: Query<&Asked, (With<Screenshot>, Without<Capturing>)>,
+    drawn: Res<DrawnFrames>,
+    mut commands: Commands,
+) {
+    let mut targets: Vec<_> = due.iter().map(|asked| asked.target.clone()).collect();
+    for (entity, mut asked) in &mut waiting {
+        if asked.frames > 0 && !asked.requests.is_empty() && !targets.contains(&asked.target) {
+            asked.shot = drawn.current();
+            targets.push(asked.target.clone());
             commands.entity(entity).insert(Screenshot(asked.source.clone()));
         }
     }
@@ -144,15 +168,24 @@ fn rest(request: &Request, cameras: &mut Query<&mut Camera>) {
     }
 }
 
-/// Writes the picture to the file of each request for it.
+/// Writes the picture to the file of each request for it, or requests another one if it may lack something.
 fn answer(
     captured: On<ScreenshotCaptured>,
     mut all: Query<&mut Asked>,
     mut cameras: Query<&mut Camera>,
+    drawn: Res<DrawnFrames>,
     mut commands: Commands,
 ) {
     let Ok(mut asked) = all.get_mut(captured.entity) else { return };
-    for request in std::mem::take(&mut asked.requests) {
+    let requests = std::mem::take(&mut asked.requests);
+    if !drawn.is_complete(asked.shot) && asked.incomplete < MOST_FRAMES {
+        let (source, target) = (asked.source.clone(), asked.target.clone());
+        let incomplete = asked.incomplete + 1;
+        let again = Asked { source, target, requests, frames: 1, shot: asked.shot, incomplete };
+        commands.spawn(again).observe(answer);
+        return;
+    }
+    for request in requests {
         rest(&request, &mut cameras);
         let Request { camera, path, side, .. } = request;
         let picture = CapturedImage::averaged(&captured.image, side);

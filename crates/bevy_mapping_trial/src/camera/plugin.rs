@@ -6,11 +6,13 @@ use bevy::camera::visibility::VisibilitySystems;
 use bevy::light::SimulationLightSystems;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
+use bevy_offscreen::DrawnFramesPlugin;
 
 use super::settings::RobotCamera;
 use super::shutter::{self, RobotCameraView};
 
-/// Takes pictures with the cameras of robots that have a [`RobotCamera`].
+/// Takes pictures with the cameras of robots that have a [`RobotCamera`]. Pictures that lack something because Bevy is
+/// still compiling pipelines are dropped, and taken again.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RobotCameraPlugin;
 
@@ -20,6 +22,9 @@ pub struct RobotCameraSystems;
 
 impl Plugin for RobotCameraPlugin {
     fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<DrawnFramesPlugin>() {
+            app.add_plugins(DrawnFramesPlugin);
+        }
         app.register_type::<RobotCamera>()
             .register_type::<RobotCameraView>()
             .register_type::<shutter::Eye>()

@@ -13,6 +13,7 @@ use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy_envgen::visuals3d::Visuals3dSettings;
 use bevy_envgen::{EndlessTruth, Environment, GroundTruth, ScenarioRun, SpawnedOrigin};
+use bevy_offscreen::DrawnFrames;
 
 use super::frame::CameraFrame;
 use super::labels::Labels;
@@ -74,6 +75,10 @@ pub(super) struct Eye;
 pub(super) struct Shutter {
     last: Option<u64>,
     taken: u64,
+    /// The number of pictures that were dropped because their colours were not complete.
+    dropped: u64,
+    /// The number of these since the last complete picture.
+    dropped_in_a_row: u32,
 }
 
 /// A component with a picture whose colours have not arrived yet.
@@ -82,6 +87,10 @@ pub(super) struct Exposure {
     robot: Entity,
     frame: CameraFrame,
     age: u32,
+    /// The frame of Bevy in which the colours are drawn.
+    drawn_in: u64,
+    /// What [`Shutter::last`] was after the picture was taken.
+    due: Option<u64>,
 }
 
 /// A resource with the worlds that cameras have seen, and the render pass that draws them.
@@ -224,6 +233,7 @@ pub(super) struct Site<'w, 's> {
 pub(super) fn shoot(
     mut robots: Query<Seeing>,
     mut eyes: Query<&mut Camera>,
+    drawn: Res<DrawnFrames>,
     mut site: Site<'_, '_>,
     mut commands: Commands,
 ) {
@@ -247,7 +257,8 @@ pub(super) fn shoot(
         match view.and_then(|view| Some((view, eyes.get_mut(view.camera).ok()?))) {
             Some((view, mut eye)) => {
                 eye.is_active = true;
-                let exposure = Exposure { robot, frame: picture, age: 0 };
+                let (drawn_in, due) = (drawn.current(), shutter.last);
+                let exposure = Exposure { robot, frame: picture, age: 0, drawn_in, due };
                 commands.spawn((Readback::texture(view.image.clone()), exposure));
             }
             None => {
@@ -377,14 +388,33 @@ pub(super) fn close(
     }
 }
 
-/// Completes a picture with its colours.
+/// Completes a picture with its colours. A picture whose colours may lack something is dropped, and another one is
+/// taken as soon as possible, unless too many have been dropped.
 pub(super) fn develop(
     read: On<ReadbackComplete>,
     mut exposures: Query<&mut Exposure>,
+    mut shutters: Query<&mut Shutter>,
+    drawn: Res<DrawnFrames>,
     mut commands: Commands,
 ) {
     let Ok(mut exposure) = exposures.get_mut(read.entity) else { return };
-    let Exposure { robot, ref mut frame, .. } = *exposure;
+    let Exposure { robot, ref mut frame, drawn_in, due, .. } = *exposure;
+    if let Ok(mut shutter) = shutters.get_mut(robot) {
+        let is_complete = drawn.is_complete(drawn_in);
+        if !is_complete && shutter.dropped_in_a_row < MOST_FRAMES {
+            shutter.dropped += 1;
+            shutter.dropped_in_a_row += 1;
+            if shutter.last == due {
+                shutter.last = None;
+            }
+            commands.entity(read.entity).despawn();
+            return;
+        }
+        if is_complete {
+            shutter.dropped_in_a_row = 0;
+        }
+        frame.number -= shutter.dropped.min(frame.number);
+    }
     let CameraOptics { width, height, .. } = frame.optics;
     // The rows of copied images are padded.
     let row = read.data.len() / height as usize;

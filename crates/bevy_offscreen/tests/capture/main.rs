@@ -4,4 +4,6 @@
 mod film;
 mod picture;
 #[cfg(feature = "render")]
+mod pipelines;
+#[cfg(feature = "render")]
 mod studio;
