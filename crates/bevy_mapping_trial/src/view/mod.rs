@@ -18,6 +18,7 @@
 //! [`WatchTrials`].
 
 mod camera;
+mod curtain;
 mod drawing;
 mod map;
 mod minimap;
@@ -32,13 +33,11 @@ use std::marker::PhantomData;
 
 use bevy::asset::AssetEventSystems;
 use bevy::camera::CameraUpdateSystems;
-use bevy::camera::visibility::{RenderLayers, VisibilitySystems};
-use bevy::ecs::system::SystemParam;
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
-use bevy_envgen::scenario::{Door, Person, Smoke};
 use bevy_envgen::visuals::require_visibility;
-use bevy_envgen::{SpawnedOrigin, Tile, require_component};
+use bevy_envgen::{SpawnedOrigin, require_component};
 use envgen::glam::DVec2;
 use mapping_trial::backend::RobotBackend;
 use mapping_trial::trial::Trial;
@@ -49,6 +48,7 @@ pub use palette::TrialPalette;
 pub use sights::TrialSights;
 pub use trial_view::TrialView;
 
+use curtain::Curtain;
 use drawing::{Canvas, Drawing, DrawingRoot};
 
 use crate::trial::{MappingTrial, RapierRobots};
@@ -160,51 +160,6 @@ impl Plugin for TrialViewPlugin {
         };
         require_visibility(app);
         app.register_type::<MappingTrial>().watch_trials::<MappingTrial>();
-    }
-}
-
-/// A filter for what is hidden of a world: its tiles, and the people, doors and smoke of its scenario.
-type OfWorld = Or<(With<Tile>, With<Person>, With<Door>, With<Smoke>)>;
-
-/// A marker component of the two-dimensional meshes of a hidden world that three-dimensional cameras may see.
-#[derive(Component)]
-struct HiddenFromAbove;
-
-/// A two-dimensional mesh.
-type Flat<'a> = (Entity, Has<HiddenFromAbove>);
-
-/// The system parameters that show and hide worlds.
-#[derive(SystemParam)]
-struct Curtain<'w, 's> {
-    commands: Commands<'w, 's>,
-    parts: Query<'w, 's, &'static mut Visibility, OfWorld>,
-    below: Query<'w, 's, &'static Children>,
-    flat: Query<'w, 's, Flat<'static>, With<Mesh2d>>,
-}
-
-impl Curtain<'_, '_> {
-    /// Shows the parts of a world to all cameras, only to three-dimensional cameras, or to none.
-    fn set(&mut self, children: &Children, from_above: bool, in_3d: bool) {
-        let wanted = if from_above || in_3d { Visibility::Inherited } else { Visibility::Hidden };
-        for &child in children {
-            let Ok(mut visibility) = self.parts.get_mut(child) else { continue };
-            visibility.set_if_neq(wanted);
-            for below in self.below.iter_descendants(child) {
-                match self.flat.get(below) {
-                    Ok((entity, false)) if !from_above => {
-                        self.commands
-                            .entity(entity)
-                            .try_insert((HiddenFromAbove, RenderLayers::none()));
-                    }
-                    Ok((entity, true)) if from_above => {
-                        self.commands
-                            .entity(entity)
-                            .try_remove::<(HiddenFromAbove, RenderLayers)>();
-                    }
-                    _ => {}
-                }
-            }
-        }
     }
 }
 

@@ -102,9 +102,10 @@ const PRIVATE: &[&str] = &[
     "bevy_mapping_trial::robot::model::Fitted",
     "bevy_mapping_trial::trial::colliders::ReplacedColliders",
     "bevy_mapping_trial::trial::scenario::ReplacedScenario",
-    "bevy_mapping_trial::view::HiddenFromAbove",
     "bevy_mapping_trial::view::IsWatched<bevy_mapping_trial::trial::component::MappingTrial>",
     "bevy_mapping_trial::view::camera::MapMark",
+    "bevy_mapping_trial::view::curtain::HiddenFromAbove",
+    "bevy_mapping_trial::view::curtain::HiddenPart",
     "bevy_mapping_trial::view::drawing::Drawing",
 ];
 

@@ -1,8 +1,11 @@
-//! The drawing of several mapping trials in one app.
+//! The drawing of mapping trials together with others, and with what an app sets itself.
 
+use bevy::camera::visibility::RenderLayers;
+use bevy::mesh::Mesh2d;
 use bevy::prelude::*;
+use bevy_envgen::Tile;
 use bevy_envgen::testing::step;
-use bevy_mapping_trial::view::{ShowWholeMap, TrialSights};
+use bevy_mapping_trial::view::{ShowWholeMap, TrialSights, TrialView};
 
 use super::view::{app, drive, hallway, trial, watch};
 
@@ -38,4 +41,42 @@ fn the_arrows_of_each_trial_fit_its_own_map() {
             app.world_mut().despawn(camera);
         }
     }
+}
+
+#[test]
+fn what_an_app_hides_of_a_world_stays_hidden_when_the_world_is_shown() {
+    let world = hallway();
+    let mut app = app();
+    let root = watch(&mut app, &world, trial(&world, 1));
+    let mut tiles = app.world_mut().query_filtered::<Entity, With<Tile>>();
+    let tile = tiles.iter(app.world()).next().expect("a tile");
+    let mesh = app.world_mut().spawn((Mesh2d::default(), ChildOf(tile))).id();
+    let own = RenderLayers::layer(5);
+    let set = |app: &mut App, shown: Visibility, layers: &RenderLayers| {
+        app.world_mut().entity_mut(tile).insert(shown);
+        app.world_mut().entity_mut(mesh).insert(layers.clone());
+        step(app, 2);
+    };
+    let found = |app: &App| {
+        let layers = app.world().get::<RenderLayers>(mesh).cloned();
+        (*app.world().get::<Visibility>(tile).unwrap(), layers)
+    };
+    let show = |app: &mut App, truth: bool| {
+        app.world_mut().get_mut::<TrialView>(root).unwrap().truth = truth;
+        step(app, 2);
+    };
+    let hidden = (Visibility::Hidden, Some(RenderLayers::none()));
+    // Before, during and after the world is hidden.
+    set(&mut app, Visibility::Visible, &own);
+    assert_eq!(found(&app), hidden);
+    show(&mut app, true);
+    assert_eq!(found(&app), (Visibility::Visible, Some(own.clone())));
+    let other = RenderLayers::layer(6);
+    set(&mut app, Visibility::Hidden, &other);
+    assert_eq!(found(&app), (Visibility::Hidden, Some(other.clone())));
+    show(&mut app, false);
+    assert_eq!(found(&app), hidden);
+    app.world_mut().entity_mut(root).remove::<TrialView>();
+    step(&mut app, 2);
+    assert_eq!(found(&app), (Visibility::Hidden, Some(other)));
 }
