@@ -7,7 +7,13 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use envgen::geometry::{Pose, Rect};
+use envgen::settings::Setting;
 use mapping_trial::driver::Hello;
+use mapping_trial::experiment::survey::Condition;
+use mapping_trial::lidar::LaserProfile;
+use mapping_trial::odometry::OdometryProfile;
+use mapping_trial::robot::{Chassis, LaserMount, Robot};
+use mapping_trial::score::{MovingScores, Scores};
 use mapping_trial::trial::{Setup, TrialSettings};
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 use serde_json::Value;
@@ -262,6 +268,48 @@ fn drivers_are_sent_the_fields_that_the_protocol_documents() {
     let sent = serde_json::to_value(&hello).unwrap();
     assert_eq!(fields(&sent), fields(&documented));
     assert_eq!(sent["robot"], documented["robot"]);
+}
+
+/// Returns the first column of the first table after a text of the page on files.
+fn documented_fields(page: &str, after: &str) -> BTreeSet<String> {
+    let (_, rest) = page.split_once(after).unwrap_or_else(|| panic!("{after}"));
+    let rows = rest.lines().skip_while(|line| !line.starts_with("|---")).skip(1);
+    let rows = rows.take_while(|line| line.starts_with('|'));
+    rows.map(|row| row.split('`').nth(1).unwrap().to_owned()).collect()
+}
+
+fn keys(value: &Value) -> BTreeSet<String> {
+    value.as_object().unwrap().keys().cloned().collect()
+}
+
+#[test]
+fn the_page_on_files_has_the_fields_of_files() {
+    let page = fs::read_to_string(root().join("docs/guide/files.md")).unwrap();
+    let settings = |settings: &[Setting]| -> BTreeSet<String> {
+        let name = |name: &str| name.replace("circumscribed_radius", "swing_radius");
+        settings.iter().map(|setting| name(setting.name)).collect()
+    };
+    for (after, known) in [
+        ("\n## Robots\n", Robot::SETTINGS),
+        ("\n`laser_mount` has", LaserMount::SETTINGS),
+        ("\n`chassis` has", Chassis::SETTINGS),
+        ("\n## Lasers\n", LaserProfile::SETTINGS),
+        ("\n## Odometry\n", OdometryProfile::SETTINGS),
+    ] {
+        assert_eq!(documented_fields(&page, after), settings(known), "{after}");
+    }
+    let scores = serde_json::to_value(Scores::default()).unwrap();
+    assert_eq!(documented_fields(&page, "\n`score_1` has"), keys(&scores["score_1"]));
+    let moving = serde_json::to_value(MovingScores::default()).unwrap();
+    assert_eq!(documented_fields(&page, "\n`moving` has"), keys(&moving));
+    let mut all = keys(&scores);
+    all.insert("moving".to_owned());
+    assert_eq!(documented_fields(&page, "\n`scores` has"), all);
+    let condition = Condition { driver: Some(String::new()), ..Condition::default() };
+    let mut known = keys(&serde_json::to_value(condition).unwrap());
+    // Files omit them at their defaults.
+    known.extend(["wheel_calibration", "scenario"].map(str::to_owned));
+    assert_eq!(documented_fields(&page, "\nA condition has these fields"), known);
 }
 
 #[test]

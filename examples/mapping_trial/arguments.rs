@@ -15,11 +15,12 @@ use mapping_trial::mappable_area::MappableArea;
 use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
+use mapping_trial::profile::named_or_read;
 use mapping_trial::robot::Robot;
 use mapping_trial::trial::TrialSettings;
 
 use crate::bag::Bag;
-use crate::trial_arguments::{TrialArguments, help, name, named};
+use crate::trial_arguments::{TrialArguments, help, name, named, profile_help};
 use crate::{moving, output, robot, spec_file, start, start_argument};
 
 /// Greatest value of `--size`: 192 grid units are 576 m, and a wall.
@@ -90,8 +91,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.ron", conflicts_with = "replay")]
     robot: Option<PathBuf>,
 
-    /// Wheel odometry profile.
-    #[arg(long, value_parser = named::<OdometryProfile>(), default_value = name(|settings| &settings.odometry),
+    #[arg(long, help = profile_help::<OdometryProfile>("wheels' odometry"), value_name = "NAME|FILE.ron",
+          value_parser = named_or_read::<OdometryProfile>, default_value = name(|settings| &settings.odometry),
           conflicts_with = "replay")]
     odometry: OdometryProfile,
 
@@ -199,6 +200,13 @@ impl Arguments {
             let text = text_file::read(path).in_file(path)?;
             let scenario = Scenario::from_ron(&text).in_file(path)?;
             ScenarioState::new(world, &scenario).in_file(path)?;
+            if scenario.lacks_lists() {
+                eprintln!(
+                    "{}: nothing moves, since the lists `doors`, `people` and `smoke` are empty; `settings` alone \
+                     draw nothing",
+                    path.display()
+                );
+            }
             return Ok(Some(scenario));
         }
         let spec = moving::spec(&self.settings)?;
@@ -238,10 +246,17 @@ impl Arguments {
         Ok(())
     }
 
+    #[expect(clippy::print_stderr, reason = "a warning for the person at the terminal")]
     fn read(&self, path: &Path) -> Result<World, Box<dyn Error>> {
         match spec_file::read(path)? {
             Some(spec) => Ok(spec.generate(self.seed).in_file(path)?.to_world()),
-            None => Ok(import::read_world(path).in_file(path)?),
+            None => {
+                let world = import::read_world(path).in_file(path)?;
+                if let Some(doubt) = import::ros_map::doubt(path) {
+                    eprintln!("warning: {}: {doubt}", path.display());
+                }
+                Ok(world)
+            }
         }
     }
 

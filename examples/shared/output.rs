@@ -87,12 +87,13 @@ pub(crate) fn write<B: RobotBackend>(
 fn notes(report: &TrialReport) -> Vec<String> {
     let Scores { difficulty, mapping, navigation, coverage, f1_30, time, distance, .. } =
         report.scores;
-    let scores = format!(
-        "difficulty {difficulty:.2}, mapping {mapping:.2}, navigation {navigation:.2}; coverage \
-         {:.1} %, F1 {f1_30:.2}; {distance:.0} m in {time:.0} s",
+    let scores =
+        format!("difficulty {difficulty:.2}, mapping {mapping:.2}, navigation {navigation:.2}");
+    let map = format!(
+        "coverage {:.1} %, F1 {f1_30:.2}; {distance:.0} m in {time:.0} s",
         100.0 * coverage
     );
-    let mut notes = vec![report.world.changed_settings(), scores];
+    let mut notes = vec![report.world.changed_settings(), scores, map];
     notes.retain(|note| !note.is_empty());
     notes
 }

@@ -5,6 +5,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
+use mapping_trial::profile::{Profile, named_or_read};
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 use mapping_trial::trial::TrialSettings;
 
@@ -20,8 +21,8 @@ pub(crate) struct TrialArguments {
           default_value = name(|settings| &settings.wheel_calibration))]
     pub(crate) wheel_calibration: WheelCalibration,
 
-    /// Laser profile.
-    #[arg(long, value_parser = named::<LaserProfile>(), default_value = name(|settings| &settings.laser))]
+    #[arg(long, help = profile_help::<LaserProfile>("laser"), value_name = "NAME|FILE.ron",
+          value_parser = named_or_read::<LaserProfile>, default_value = name(|settings| &settings.laser))]
     pub(crate) laser: LaserProfile,
 
     #[arg(long, help = help("time_limit"), value_name = "SECONDS",
@@ -43,6 +44,12 @@ pub(crate) fn help(setting: &str) -> String {
 pub(crate) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(T::NAMES.iter().map(|(name, _)| *name))
         .try_map(|name| T::named(&name))
+}
+
+/// Returns the help for the profile of a part of the robot.
+pub(crate) fn profile_help<T: Profile>(part: &str) -> String {
+    let names: Vec<&str> = T::NAMES.iter().map(|(name, _)| *name).collect();
+    format!("The {part}: {}, or a RON file such as `{}`", names.join(", "), T::EXAMPLE)
 }
 
 /// Returns the name of the default value of a setting.

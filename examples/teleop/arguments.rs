@@ -11,10 +11,11 @@ use envgen::located::Locate;
 use envgen::{Seed, World, WorldSpec, import};
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
+use mapping_trial::profile::named_or_read;
 use mapping_trial::robot::Robot;
 use mapping_trial::trial::TrialSettings;
 
-use crate::trial_arguments::{TrialArguments, name, named};
+use crate::trial_arguments::{TrialArguments, name, named, profile_help};
 use crate::{moving, robot, spec_file};
 
 /// Side of the indoor map in grid units, which is about the size that one robot explores in 20 minutes.
@@ -53,8 +54,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.ron")]
     robot: Option<PathBuf>,
 
-    /// Wheel odometry profile.
-    #[arg(long, value_parser = named::<OdometryProfile>(), default_value = name(|settings| &settings.odometry))]
+    #[arg(long, help = profile_help::<OdometryProfile>("wheels' odometry"), value_name = "NAME|FILE.ron",
+          value_parser = named_or_read::<OdometryProfile>, default_value = name(|settings| &settings.odometry))]
     odometry: OdometryProfile,
 
     /// Add doors, people or smoke to the world, such as doors=0.5, people=4 or smoke=0.2; may be given several times.

@@ -8,6 +8,14 @@
 //! Every finished trial is written to disk at once, so that the same command continues an interrupted
 //! run. The output folder gets `trials.jsonl`, `summary.json` and `ranks.csv`, which has the order of
 //! the worlds by score 1 and by score 2.
+//!
+//! `--shard I/N` runs a share of the worlds, each in a folder of its own, and `--merge` joins them:
+//!
+//! ```text
+//! survey my.survey.ron --shard 1/2 --out out/part1
+//! survey my.survey.ron --shard 2/2 --out out/part2
+//! survey my.survey.ron --merge out/part1 out/part2 --out out/all
+//! ```
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
@@ -40,6 +48,10 @@ struct Arguments {
     #[arg(long, value_name = "I/N", default_value_t = Shard::WHOLE)]
     shard: Shard,
 
+    /// Join the folders of all shares of the survey, instead of running trials.
+    #[arg(long, value_name = "FOLDER", num_args = 1.., conflicts_with = "shard")]
+    merge: Vec<PathBuf>,
+
     /// How many faulty trials to list per kind.
     #[arg(long, default_value_t = 20)]
     faults: usize,
@@ -63,15 +75,20 @@ fn main() -> ExitCode {
 #[expect(clippy::print_stdout, reason = "what an example is for")]
 fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let survey = read(&arguments.survey)?;
-    let mut folder = SurveyFolder::open(&arguments.out, &survey, arguments.shard)?;
-    println!("{} trials, {} finished before", folder.trials(), folder.records().len());
-    let bar = progress(folder.trials(), folder.records().len() as u64);
-    let result = folder.run(usize::from(arguments.threads), &|progress| {
-        bar.set_position(progress.done);
-        ControlFlow::Continue(())
-    });
-    bar.finish_and_clear();
-    result?;
+    let folder = if arguments.merge.is_empty() {
+        let mut folder = SurveyFolder::open(&arguments.out, &survey, arguments.shard)?;
+        println!("{} trials, {} finished before", folder.trials(), folder.records().len());
+        let bar = progress(folder.trials(), folder.records().len() as u64);
+        let result = folder.run(usize::from(arguments.threads), &|progress| {
+            bar.set_position(progress.done);
+            ControlFlow::Continue(())
+        });
+        bar.finish_and_clear();
+        result?;
+        folder
+    } else {
+        SurveyFolder::merge_of(&survey, &arguments.out, &arguments.merge)?
+    };
     let records: Vec<_> = folder.records().collect();
     let summary = summarise(&survey, &records);
     print(&summary, arguments.faults);

@@ -63,6 +63,7 @@ pub mod odometry;
 #[cfg(feature = "picture")]
 pub mod picture;
 pub mod policy;
+pub mod profile;
 pub mod robot;
 #[cfg(feature = "mcap")]
 pub mod ros_bag;

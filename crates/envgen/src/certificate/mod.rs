@@ -292,7 +292,7 @@ mod tests {
             let area = world.bounds;
             for claimed in [true, false] {
                 let claim =
-                    Claim::CrossesWestEast { area, radius: 0.5, crosses: claimed, predicted: true };
+                    Claim::CrossesWestEast { area, radius: 0.5, crosses: claimed, predicted: None };
                 let expected = if passable == claimed { Verdict::Holds } else { Verdict::Broken };
                 world.certificate = vec![claim];
                 assert_eq!(verify(&world), [(claim, expected)], "gap {gap}");
@@ -514,7 +514,7 @@ mod tests {
             area,
             radius,
             crosses: false,
-            predicted: false,
+            predicted: None,
         };
         let predicted = |value| {
             let dial = Estimate { value, standard_error: 1.0 };

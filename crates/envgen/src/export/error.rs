@@ -45,7 +45,9 @@ pub enum ExportError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The format contains blueprints of another kind than this world's.
-    #[error("{format} holds {wanted}, but this world was not built from one")]
+    #[error(
+        "{format} holds {wanted}, which is written only where a world of that kind is generated or edited"
+    )]
     Blueprint {
         /// The format.
         format: &'static str,

@@ -72,12 +72,13 @@ pub struct ForestMetrics {
     /// Predicted mean free path, in metres, of a robot that drives straight in an endless forest:
     /// `1 / (2 lambda (E[r] + rho))`, where rho is the robot's radius.
     pub free_path_predicted: Option<f64>,
-    /// The reduced density lambda pi E[(r + rho)^2]: above [`PERCOLATION_THRESHOLD`], a wide and even forest cannot
-    /// be crossed. It uses the spec's own intensity, whatever the density map is, and means over the trees if the
+    /// The reduced density lambda pi E[(r + rho)^2]: above [`PERCOLATION_THRESHOLD`], a wide and even forest of equal
+    /// trunks cannot be crossed. It uses the spec's own intensity, whatever the density map is, and means over the trees if the
     /// distribution of radii is not the spec's.
     pub reduced_density: f64,
-    /// Whether a wide forest of this reduced density is predicted to be crossable.
-    pub traversable_predicted: bool,
+    /// Whether a wide forest of this reduced density is predicted to be crossable. Absent above the threshold if radii
+    /// differ: then discs percolate at a higher density, which is not known in general.
+    pub traversable_predicted: Option<bool>,
     /// Whether the robot's centre can move from the west side of the area to its east side without leaving the area.
     pub traversable: bool,
 }
@@ -125,9 +126,11 @@ fn reduced_density(forest: &Forest) -> f64 {
     spec.intensity * PI * (mean_square + 2.0 * mean * rho + rho * rho)
 }
 
-/// Whether a wide forest of this density is predicted to be crossable.
-pub(super) fn predicts_crossing(forest: &Forest) -> bool {
-    reduced_density(forest) < PERCOLATION_THRESHOLD
+/// Whether a wide forest of this density is predicted to be crossable; `None` if nothing is predicted.
+pub(super) fn predicts_crossing(forest: &Forest) -> Option<bool> {
+    let are_equal = forest.spec().radius_law == RadiusLaw::Fixed && !forest.custom_radii;
+    let is_below = reduced_density(forest) < PERCOLATION_THRESHOLD;
+    (is_below || are_equal).then_some(is_below)
 }
 
 /// Returns the means of r and r^2 over trees; 0 without trees.
@@ -284,4 +287,40 @@ pub(super) fn crosses_west_east(forest: &Forest) -> bool {
         });
     }
     !sets.is_joined(south, north)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::Spec;
+    use crate::seed::Seed;
+
+    /// Returns a forest of a reduced density for points as robots.
+    fn forest(spec: ForestSpec, reduced_density: f64) -> Forest {
+        let spec = ForestSpec { robot_radius: 0.0, intensity: 1.0, ..spec };
+        let (_, mean_square) = radius_moments(&spec);
+        let intensity = reduced_density / (PI * mean_square);
+        ForestSpec { intensity, ..spec }.generate(Seed(1)).unwrap()
+    }
+
+    #[test]
+    fn crossing_is_predicted_where_theory_knows() {
+        let fixed = ForestSpec { radius: 0.3, ..Default::default() };
+        assert_eq!(predicts_crossing(&forest(fixed.clone(), 1.0)), Some(true));
+        assert_eq!(predicts_crossing(&forest(fixed, 1.2)), Some(false));
+        // Discs of different radii percolate at a higher density: this forest can be crossed.
+        let mixed = ForestSpec {
+            width: 120.0,
+            height: 120.0,
+            radius_law: RadiusLaw::LogNormal,
+            radius: 0.2,
+            radius_sigma: 1.0,
+            radius_min: 0.001,
+            radius_max: 3.0,
+            ..Default::default()
+        };
+        assert_eq!(predicts_crossing(&forest(mixed.clone(), 1.0)), Some(true));
+        let dense = forest(mixed, 1.17).metrics();
+        assert_eq!((dense.traversable_predicted, dense.traversable), (None, true));
+    }
 }

@@ -49,6 +49,9 @@ const ON_CIRCLE: f64 = 1e-6;
 /// The margin in metres by which the bounds of a file without width or height are enlarged on all sides.
 const LEAST_MARGIN: f64 = 0.5;
 
+/// The least extent in metres of a file of another program. Less is a file in degrees.
+const LEAST_EXTENT: f64 = 0.1;
+
 /// Reads a world from features in metres.
 ///
 /// The property `part` names the part that a feature represents, as in the files that this crate writes. Without
@@ -106,12 +109,32 @@ pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
         [a, b, c, d] | [a, b, _, c, d, _] => Ok(Rect::new(DVec2::new(a, b), DVec2::new(c, d))),
         _ => Err(PlanError::value("bbox", format!("{} numbers", bbox.len()), "4 or 6 numbers")),
     });
-    world.bounds = bounds_of(&world, bbox.transpose()?);
+    let bbox = bbox.transpose()?;
+    if !foreign.contains_key("provenance") && bbox.is_none() {
+        check_extent(&world)?;
+    }
+    world.bounds = bounds_of(&world, bbox);
     if world.start.is_none() && world.check().is_ok() {
         world.start = start_of_most_clearance(&world, false);
     }
     world.check().map_err(FileError::World)?;
     Ok(world)
+}
+
+/// Checks that a file of another program has parts, and that they are not given in degrees.
+fn check_extent(world: &World) -> Result<(), PlanError> {
+    if world.part_count() == 0 {
+        let allowed = "one or more with a polygon, a line, or a point with a radius";
+        return Err(PlanError::value("features", "none of these".to_owned(), allowed));
+    }
+    let size = bounds_of(world, None).size().max_element();
+    if size >= LEAST_EXTENT {
+        return Ok(());
+    }
+    let allowed = format!(
+        "in metres, over {LEAST_EXTENT} m at least: project longitudes and latitudes first"
+    );
+    Err(PlanError::value("coordinates", format!("all within {size} m"), &allowed))
 }
 
 /// Returns a rectangle around everything.

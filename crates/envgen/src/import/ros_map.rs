@@ -25,6 +25,12 @@ use crate::world::{MAX_COORDINATE, Obstacle, ObstacleKind, Wall, WallKind, World
 /// The greatest grey of a raw map that is a probability, in percent.
 const MAX_PERCENT: f64 = 100.0;
 
+/// The grey of unknown cells in maps that ROS and Nav2 save.
+const SAVED_UNKNOWN: f64 = 205.0;
+
+/// The share of pixels from which on [`doubt`] finds that unknown cells are free.
+const SUSPECT_SHARE: f64 = 0.01;
+
 /// The reasons why a map could not be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -375,6 +381,31 @@ pub(super) fn image_of(path: &Path) -> Option<PathBuf> {
     }
     let text = file::read_text(&mut File::open(path).ok()?).ok()?;
     Some(RosDescription::from_yaml(&text).ok()?.image_path(path))
+}
+
+/// Returns why a ROS map may not be what its writer meant; `None` if nothing is found, and for other files.
+///
+/// Savers of Nav2 write the grey 205 for unknown cells, and by default the threshold 0.25 for free ones, which makes
+/// unknown cells free.
+pub fn doubt(path: &Path) -> Option<String> {
+    let image = image_of(path)?;
+    let text = file::read_text(&mut File::open(path).ok()?).ok()?;
+    let description = RosDescription::from_yaml(&text).ok()?;
+    let bytes = file::read_bytes(&mut File::open(image).ok()?).ok()?;
+    let is_suspect = |shade: Shade| {
+        (255.0 * shade.colour).round() == SAVED_UNKNOWN && description.cell(&shade) == RosCell::Free
+    };
+    let pixels = read_image(&bytes, is_suspect).ok()?.pixels;
+    let suspect = pixels.iter().filter(|is_suspect| **is_suspect).count();
+    let share = suspect as f64 / pixels.len() as f64;
+    (share >= SUSPECT_SHARE).then(|| {
+        format!(
+            "{:.0} % of the pixels have the grey {SAVED_UNKNOWN}, which savers of maps write for unknown cells, but \
+             `free_thresh: {}` makes them free: with 0.196 they are unknown",
+            100.0 * share,
+            description.free_thresh
+        )
+    })
 }
 
 /// Reads the YAML of a map, and the image that it names. `path` is the path of the YAML file.

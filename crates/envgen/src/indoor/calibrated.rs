@@ -111,6 +111,21 @@ impl IndoorSpec {
         plans(self, seed, &IndoorLaws::default(), &mut |_| ())
     }
 
+    /// Checks that none of the settings that a user has given contradicts the others.
+    ///
+    /// # Errors
+    /// When `difficulty` is given beside the difficulty of mapping or navigation alone, which take its place.
+    pub fn check_given(&self, names: &[&str]) -> Result<(), SpecError> {
+        let others = [("mapping", self.mapping), ("navigation", self.navigation)];
+        match others.into_iter().find(|(_, dial)| dial.is_some()) {
+            Some((other, _)) if names.contains(&"difficulty") => {
+                let allowed = format!("absent, since `{other}` takes its place");
+                Err(SpecError::new("difficulty", self.difficulty, allowed))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Keeps a setting at its default in the profile `calibrated`, which otherwise draws it. Does nothing for
     /// settings that the profile does not draw, or that have other values.
     pub fn fix(&mut self, name: &str) {

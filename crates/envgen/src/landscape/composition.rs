@@ -33,8 +33,8 @@ pub struct Composition {
 }
 
 impl Composition {
-    /// Finds the counts of `cells` cells in `classes` classes whose entropy is nearest to `entropy` (in nats). With
-    /// `keep_classes`, no class is empty.
+    /// Finds the counts of `cells` cells in `classes` classes whose entropy is nearest to `entropy` (in nats), as far as
+    /// the search finds it. With `keep_classes`, no class is empty.
     ///
     /// # Errors
     /// When `cells` or `classes` is out of range, when there are more classes than cells, or when no counts reach

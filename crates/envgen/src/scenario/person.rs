@@ -4,6 +4,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::unit_vector;
+use crate::scenario::spec::ScenarioSpec;
 
 /// Radius in metres of the disc that a person occupies.
 pub const PERSON_RADIUS: f64 = 0.25;
@@ -21,11 +22,22 @@ pub struct Person {
     /// The initial position, in metres.
     pub position: DVec2,
     /// The initial direction in which the person looks, in radians.
+    #[serde(default)]
     pub heading: f64,
     /// Walking speed in m/s.
+    #[serde(default = "usual_speed")]
     pub speed: f64,
     /// The person's reaction to a robot.
+    #[serde(default = "usual_reaction")]
     pub reaction: Reaction,
+}
+
+fn usual_speed() -> f64 {
+    ScenarioSpec::default().walking_speed
+}
+
+fn usual_reaction() -> Reaction {
+    Reaction::Regular
 }
 
 /// The reaction of a person to a robot that is near and in sight. The numbers are those of `HuNavSim`

@@ -85,7 +85,17 @@ impl Scenario {
         text.map(|text| text + "\n").map_err(|error| ScenarioFileError::WriteRon(Box::new(error)))
     }
 
-    /// Reads a scenario from RON.
+    /// Reads a scenario from RON. Fields that are absent have the usual values.
+    ///
+    /// ```
+    /// use envgen::scenario::{DoorControl, Scenario};
+    ///
+    /// let text = "(doors: [(doorway: 2, kind: hinged)], people: [(position: (4.0, 7.5))])";
+    /// let scenario = Scenario::from_ron(text)?;
+    /// assert_eq!((scenario.doors[0].control, scenario.doors[0].open), (DoorControl::Timed, 20.0));
+    /// assert_eq!(scenario.people[0].speed, 1.34);
+    /// # Ok::<(), envgen::scenario::ScenarioFileError>(())
+    /// ```
     ///
     /// # Errors
     /// When the text is not the RON of a scenario, or when a setting is out of range.
@@ -96,6 +106,21 @@ impl Scenario {
             .map_err(|error| ScenarioFileError::Ron(Box::new(error)))?;
         scenario.settings.validate()?;
         Ok(scenario)
+    }
+
+    /// Returns whether nothing moves although the settings ask for something, as in a file whose lists were left out:
+    /// settings alone draw nothing.
+    ///
+    /// ```
+    /// use envgen::scenario::Scenario;
+    ///
+    /// assert!(Scenario::from_ron("(settings: (people: 4))")?.lacks_lists());
+    /// assert!(!Scenario::default().lacks_lists());
+    /// # Ok::<(), envgen::scenario::ScenarioFileError>(())
+    /// ```
+    pub fn lacks_lists(&self) -> bool {
+        let Scenario { settings, doors, people, smoke, .. } = self;
+        !settings.is_still() && doors.is_empty() && people.is_empty() && smoke.is_empty()
     }
 
     /// Checks the doors, the smoke and the number of people against a world.

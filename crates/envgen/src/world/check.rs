@@ -472,7 +472,7 @@ mod tests {
         for claim in [
             Claim::Connected { radius: f64::NAN },
             Claim::TreeDistance { distance: -1.0, torus: None },
-            Claim::CrossesWestEast { area, radius: 1.0, crosses, predicted: crosses },
+            Claim::CrossesWestEast { area, radius: 1.0, crosses, predicted: Some(crosses) },
         ] {
             broken.certificate.truncate(1);
             broken.certificate.push(claim);

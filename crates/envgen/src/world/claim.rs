@@ -3,7 +3,7 @@
 use std::fmt;
 
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::dials::Prediction;
 use crate::geometry::Rect;
@@ -34,8 +34,15 @@ pub enum Claim {
         radius: f64,
         /// Whether the disc can cross.
         crosses: bool,
-        /// Whether theory predicts that a disc can cross a wide forest of this density.
-        predicted: bool,
+        /// Whether theory predicts that a disc can cross a wide forest of this density; absent where there is no
+        /// theory.
+        #[serde(
+            default,
+            skip_serializing_if = "Option::is_none",
+            serialize_with = "write_flag",
+            deserialize_with = "read_flag"
+        )]
+        predicted: Option<bool>,
     },
     /// No bend of a road has a smaller radius than this.
     BendRadius {
@@ -106,6 +113,15 @@ pub(crate) fn is_distance(number: f64) -> bool {
     number.is_finite() && number >= 0.0
 }
 
+/// Writes a flag as files had it before it could be absent, without `Some`.
+fn write_flag<S: Serializer>(flag: &Option<bool>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_bool(flag.unwrap_or_default())
+}
+
+fn read_flag<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<bool>, D::Error> {
+    bool::deserialize(deserializer).map(Some)
+}
+
 impl fmt::Display for Claim {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -119,10 +135,10 @@ impl fmt::Display for Claim {
                 let word = |can: bool| if can { "can" } else { "cannot" };
                 write!(
                     f,
-                    "a disc of radius {radius} m {} cross from west to east (predicted: {})",
-                    word(*crosses),
-                    word(*predicted)
-                )
+                    "a disc of radius {radius} m {} cross from west to east",
+                    word(*crosses)
+                )?;
+                predicted.map_or(Ok(()), |can| write!(f, " (predicted: {})", word(can)))
             }
             Claim::BendRadius { radius } => {
                 write!(f, "no bend of a road is tighter than {radius} m")

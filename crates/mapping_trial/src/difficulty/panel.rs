@@ -79,12 +79,13 @@ fn read(text: &str) -> Result<Panel, SurveyError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lidar::LaserProfile;
     use crate::policy::PolicyKind;
 
     #[test]
     fn equal_conditions_are_dropped() {
         let mut panel = Panel::reference();
-        panel.conditions.iter_mut().for_each(|one| one.laser = "usarsim".to_owned());
+        panel.conditions.iter_mut().for_each(|one| one.laser = LaserProfile::USARSIM);
         panel.drop_repeated();
         assert_eq!(panel.conditions.len(), 4);
         panel.conditions.iter_mut().for_each(|one| one.policy = PolicyKind::Nearest);
@@ -98,7 +99,10 @@ mod tests {
         assert!(error("(name: \"mine\", version: 1, conditions: [])").contains("conditions"));
         let laser =
             error("(name: \"mine\", version: 1, conditions: [(name: \"a\", laser: \"far\")])");
-        assert!(laser.starts_with("a: `laser` must be one of lms200_mm"), "{laser}");
+        assert!(laser.contains("`laser` must be one of lms200_mm"), "{laser}");
+        let beams =
+            error("(name: \"mine\", version: 1, conditions: [(name: \"a\", laser: (beams: 0))])");
+        assert!(beams.starts_with("a: `laser.beams` must be a whole number"), "{beams}");
         let name = error("(name: \"reference\", version: 1, conditions: [(name: \"a\")])");
         assert!(name.starts_with("panel: `name` must be a name of its own"), "{name}");
         assert_eq!(Panel::from_ron(REFERENCE), Ok(Panel::reference()));

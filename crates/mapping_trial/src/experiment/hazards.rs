@@ -13,7 +13,6 @@ use serde::Serialize;
 use super::design::{Design, policy_name};
 use super::stats::{Interval, mean_and_half};
 use super::survey::{Condition, Family, Record, Survey, SurveyNoise};
-use crate::names::Named;
 use crate::score::Scores;
 
 /// A hazard: something that moves in a world.
@@ -112,16 +111,9 @@ impl Hazard {
 ///
 /// # Errors
 ///
-/// If the design is not allowed, or if its laser or its wheels have no name.
+/// If the design is not allowed.
 pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> {
     design.validate()?;
-    let named = |field: &str, name: Option<&str>| {
-        name.map(str::to_owned).ok_or_else(|| {
-            SpecError::new(field, "numbers of your own", "a profile that has a name")
-        })
-    };
-    let laser = named("laser", design.laser.name())?;
-    let odometry = named("odometry", design.odometry.name())?;
     let mut conditions = Vec::new();
     for (name, scenario) in std::iter::once(("nothing moves", ScenarioSpec::default()))
         .chain(hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.scenario.clone())))
@@ -132,8 +124,8 @@ pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> 
                 policy,
                 slam: design.slam,
                 wheel_calibration: design.wheel_calibration,
-                laser: laser.clone(),
-                odometry: odometry.clone(),
+                laser: design.laser.clone(),
+                odometry: design.odometry.clone(),
                 time_limit: design.time_limit,
                 time_per_area: design.time_per_area,
                 scenario: scenario.clone(),

@@ -15,6 +15,7 @@ use super::design::Design;
 use super::error::ExperimentError;
 use super::record::Record;
 use super::stats::policy_of;
+use crate::trial::EndReason;
 
 /// A column: its name and one value per trial.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +54,7 @@ pub fn columns(design: &Design, records: &[&Record]) -> Vec<Column> {
         whole("map", &|r| u64::from(r.trial.map)),
         whole("noise", &|r| u64::from(r.trial.noise)),
         text("operator", &|r| policy_of(r).to_owned()),
-        text("end", &|r| r.end.map_or("", |end| end.text()).to_owned()),
+        text("end", &|r| r.end.map_or("", EndReason::name).to_owned()),
     ];
     columns.extend(numbers(records.iter().map(|record| &record.scores)));
     columns.extend(numbers(records.iter().map(|record| &record.features)));

@@ -150,21 +150,19 @@ impl TrajectoryScores {
     /// If a pair's lists differ in length, or a pose is not finite.
     pub fn of(tracks: &[TrajectoryPair<'_>]) -> Result<Self, ScoreError> {
         check_tracks(tracks)?;
-        Ok(TrajectoryScores::of_checked(tracks))
+        Ok(TrajectoryScores::of_checked(tracks, pose::drift(tracks)))
     }
 
-    /// Scores trajectories that are already checked.
-    pub(super) fn of_checked(tracks: &[TrajectoryPair<'_>]) -> Self {
-        let trajectory_error = pose::absolute(tracks);
+    /// Scores trajectories that are already checked, given their [drift](pose::drift) in metres.
+    pub(super) fn of_checked(tracks: &[TrajectoryPair<'_>], drift: f64) -> Self {
         let near = pose::relative(tracks, pose::NEAR);
         let far = pose::relative(tracks, pose::FAR);
-        let relative_error_far = far.map(|(position, _)| position);
         TrajectoryScores {
-            e_pose: e_pose(relative_error_far.unwrap_or(trajectory_error)),
-            trajectory_error,
+            e_pose: e_pose(drift),
+            trajectory_error: pose::absolute(tracks),
             relative_error_near: near.map(|(position, _)| position),
             relative_turn_near: near.map(|(_, heading)| heading),
-            relative_error_far,
+            relative_error_far: far.map(|(position, _)| position),
             relative_turn_far: far.map(|(_, heading)| heading),
         }
     }

@@ -43,6 +43,40 @@ pub(super) fn absolute(tracks: &[TrajectoryPair<'_>]) -> f64 {
     errors.value().unwrap_or(0.0)
 }
 
+/// Returns the root mean square in metres of the position errors of all robots, relative to the pose
+/// [`FAR`] before. Robots that drove less count with their absolute errors, as often per metre. If no
+/// robot drove that far, it is the [absolute] error.
+pub(super) fn drift(tracks: &[TrajectoryPair<'_>]) -> f64 {
+    let (mut positions, mut headings) = (Rms::default(), Rms::default());
+    let mut short = Vec::new();
+    for track in tracks {
+        let before = positions.count;
+        add_relative(track, FAR, &mut positions, &mut headings);
+        if positions.count == before {
+            short.push(track);
+        }
+    }
+    if positions.count == 0 {
+        return absolute(tracks);
+    }
+    short.into_iter().for_each(|track| add_spaced(track, &mut positions));
+    positions.value().unwrap_or(0.0)
+}
+
+/// Adds the absolute errors of poses that are [`SPACING`] of path apart.
+fn add_spaced(track: &TrajectoryPair<'_>, errors: &mut Rms) {
+    let (mut gone, mut next) = (0.0, 0.0);
+    let mut before: Option<Pose> = None;
+    for (truth, estimated) in track.truth.iter().zip(track.estimated) {
+        gone += before.map_or(0.0, |before| before.position.distance(truth.position));
+        before = Some(*truth);
+        if gone >= next {
+            next = gone + SPACING;
+            errors.add(truth.position.distance(estimated.position));
+        }
+    }
+}
+
 /// Returns the root mean square errors of the relations between poses that are `length` metres of true
 /// path apart: of the position in metres and of the heading in radians, over all robots. `None` if no
 /// robot drove that far. (Kuemmerle et al., On measuring the accuracy of SLAM algorithms, Autonomous
@@ -50,35 +84,39 @@ pub(super) fn absolute(tracks: &[TrajectoryPair<'_>]) -> f64 {
 pub(super) fn relative(tracks: &[TrajectoryPair<'_>], length: f64) -> Option<(f64, f64)> {
     let (mut positions, mut headings) = (Rms::default(), Rms::default());
     for track in tracks {
-        let poses = || track.truth.iter().zip(track.estimated);
-        let mut ends = poses();
-        let (mut gone, mut next_start) = (0.0, 0.0);
-        let (mut end_gone, mut end) = (0.0, ends.next());
-        let mut before: Option<Pose> = None;
-        let mut end_before = end.map(|(truth, _)| *truth);
-        for (truth, estimated) in poses() {
-            gone += before.map_or(0.0, |before: Pose| before.position.distance(truth.position));
-            before = Some(*truth);
-            if gone < next_start {
-                continue;
-            }
-            next_start = gone + SPACING;
-            // Rounding over thousands of steps must not lose the last relation.
-            while end_gone + 1e-9 < gone + length {
-                end = ends.next();
-                let Some((truth, _)) = end else { break };
-                let step = end_before.map_or(0.0, |p| p.position.distance(truth.position));
-                end_gone += step;
-                end_before = Some(*truth);
-            }
-            let Some((end_truth, end_estimated)) = end else { break };
-            let expected = relation(*truth, *end_truth);
-            let found = relation(*estimated, *end_estimated);
-            positions.add(expected.position.distance(found.position));
-            headings.add(wrap_angle(expected.heading - found.heading));
-        }
+        add_relative(track, length, &mut positions, &mut headings);
     }
     positions.value().zip(headings.value())
+}
+
+fn add_relative(track: &TrajectoryPair<'_>, length: f64, positions: &mut Rms, headings: &mut Rms) {
+    let poses = || track.truth.iter().zip(track.estimated);
+    let mut ends = poses();
+    let (mut gone, mut next_start) = (0.0, 0.0);
+    let (mut end_gone, mut end) = (0.0, ends.next());
+    let mut before: Option<Pose> = None;
+    let mut end_before = end.map(|(truth, _)| *truth);
+    for (truth, estimated) in poses() {
+        gone += before.map_or(0.0, |before: Pose| before.position.distance(truth.position));
+        before = Some(*truth);
+        if gone < next_start {
+            continue;
+        }
+        next_start = gone + SPACING;
+        // Rounding over thousands of steps must not lose the last relation.
+        while end_gone + 1e-9 < gone + length {
+            end = ends.next();
+            let Some((truth, _)) = end else { break };
+            let step = end_before.map_or(0.0, |p| p.position.distance(truth.position));
+            end_gone += step;
+            end_before = Some(*truth);
+        }
+        let Some((end_truth, end_estimated)) = end else { break };
+        let expected = relation(*truth, *end_truth);
+        let found = relation(*estimated, *end_estimated);
+        positions.add(expected.position.distance(found.position));
+        headings.add(wrap_angle(expected.heading - found.heading));
+    }
 }
 
 /// Returns the pose `to` relative to `from`. Its heading is only wrapped when two relations are
@@ -134,6 +172,20 @@ mod tests {
         let tracks = [TrajectoryPair { truth: &truth, estimated: &truth }];
         assert_eq!(relative(&tracks, NEAR), Some((0.0, 0.0)));
         assert_eq!(relative(&tracks, FAR), None);
-        assert_eq!(absolute(&[]), 0.0);
+        assert_eq!((absolute(&[]), drift(&[])), (0.0, 0.0));
+    }
+
+    #[test]
+    fn robots_that_drove_less_count_with_their_absolute_errors() {
+        let (near, near_estimated) = (straight(720, 1.0, 0.0), straight(720, 1.2, 0.0));
+        let far = straight(1000, 1.0, 0.0);
+        let of_near = TrajectoryPair { truth: &near, estimated: &near_estimated };
+        let of_far = TrajectoryPair { truth: &far, estimated: &far };
+        assert_eq!(drift(&[of_near]), absolute(&[of_near]));
+        assert_eq!(drift(&[of_far]), 0.0);
+        // 18 m with an error of a fifth, and 25 m without errors.
+        let both = drift(&[of_near, of_far]);
+        assert!(both > 1.0 && both < absolute(&[of_near]), "{both}");
+        assert_eq!(relative(&[of_near, of_far], FAR), Some((0.0, 0.0)));
     }
 }

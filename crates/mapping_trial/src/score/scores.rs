@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::error::ScoreError;
 use super::map_scores::{MapScores, TrajectoryScores};
 use super::parts::{Parts, Quality};
+use super::pose;
 use super::raster::Raster;
 use super::reference::Reference;
 use super::run_summary::{RunSummary, check};
@@ -50,14 +51,14 @@ pub struct Scores {
     /// around by a cell of the map, 0.05 m. What the map cannot show does not count.
     pub e_use: f64,
     /// Pose error: d / (d + 0.05 m), where d is the error of the position relative to the pose 20 m of
-    /// path before, beyond 0.04 m. For robots that drove less, d is the trajectory error beyond 0.04 m.
+    /// path before, beyond 0.04 m. Robots that drove less count with their absolute errors.
     pub e_pose: f64,
     /// Coverage error: 1 - C.
     pub e_cov: f64,
     /// Time: t / (t + 1.5 s/m^2), where `t = (T + (1 - C) T_lim) / (C |F|) - 1 / (2 * 8 m * v)`, at
     /// least 0, with v 5/7 of the greatest speed. This is the time per mapped area, beyond what a robot
-    /// without errors needs in an open hall. In the divisor C counts as at least 0.01. Leaving ground
-    /// unmapped never helps.
+    /// without errors needs in an open hall. In the divisor C counts as at least 0.01. In the same time,
+    /// mapping less never helps.
     pub e_time: f64,
     /// Collisions: 1 - exp(-h / 5), where h is (collisions + 3 stuck) per 100 m driven. The distance
     /// counts as at least 20 m.
@@ -133,11 +134,12 @@ impl Scores {
         let raster = Raster::of(truth, run.map);
         let swept = run.moving.map(|(swept, _)| swept);
         let map = MapScores::of_raster(truth, run.map, &raster, swept);
-        let poses = TrajectoryScores::of_checked(run.tracks);
+        let drift = pose::drift(run.tracks);
+        let poses = TrajectoryScores::of_checked(run.tracks, drift);
         let quality = Quality {
             e_wall: map.e_wall,
             coverage: map.coverage,
-            pose_error: poses.relative_error_far.unwrap_or(poses.trajectory_error),
+            pose_error: drift,
             free_area: map.free_area,
             navigability: 1.0 - map.e_use,
         };

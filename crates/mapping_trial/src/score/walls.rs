@@ -67,7 +67,12 @@ pub(super) fn compare(
     WallScores {
         precision,
         recall,
-        distance: 0.5 * (found.mean() + mapped.mean()),
+        // Without any walls, the map has no error.
+        distance: if found.count + mapped.count > 0 {
+            0.5 * (found.mean() + mapped.mean())
+        } else {
+            0.0
+        },
         ghosting: ghosting(truth, runs, raster),
     }
 }

@@ -328,6 +328,7 @@ impl<'w> TrialBuilder<'w> {
             bodies,
             observer,
             foreign,
+            replaced: Vec::new(),
             source: source.take().unwrap_or_else(|| LogWorld::of(world)),
             world_digest: digest.to_string(),
             clock: Clock::default(),

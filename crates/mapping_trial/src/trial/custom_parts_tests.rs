@@ -157,11 +157,17 @@ fn a_log_with_foreign_parts_replays_its_commands_and_names_them() {
     assert_eq!(again.trajectory(0), trial.trajectory(0));
     assert_eq!(again.end_of(0), trial.end_of(0));
     assert_eq!(again.log(), log);
+    let report = again.report(&world, &again.reference(&world).expect("a start")).expect("scores");
+    assert!(report.headline().contains("Ahead with scan_to_map and"), "{}", report.headline());
+    let roles = |parts: &[ForeignPart]| parts.iter().map(|part| part.role).collect::<Vec<_>>();
+    assert_eq!(roles(&report.foreign), [PartRole::Policy]);
+    assert_eq!(roles(&report.replaced), [PartRole::Slam]);
     assert_ne!(again.autonomy().slam().trajectory(0), trial.autonomy().slam().trajectory(0));
     // With them, so does the map.
     let mut again =
         log.replay_with(&world, |builder| builder.slam(slam).build_flat()).expect("its own world");
     log.run_through(&mut again).expect("the log's commands");
+    assert!(again.replaced.is_empty());
     assert_eq!(again.autonomy().slam().trajectory(0), trial.autonomy().slam().trajectory(0));
     let mut other = log.clone();
     other.engine = "wheels on desks".to_owned();

@@ -40,6 +40,20 @@ pub enum EndReason {
 }
 
 impl EndReason {
+    /// Returns the name of the reason in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            EndReason::Explored => "explored",
+            EndReason::Stuck => "stuck",
+            EndReason::Failed => "failed",
+            EndReason::Drowned => "drowned",
+            EndReason::Battery => "battery",
+            EndReason::TimeLimit => "time_limit",
+            EndReason::Stopped => "stopped",
+            EndReason::Removed => "removed",
+        }
+    }
+
     /// Returns the reason in words.
     pub fn text(self) -> &'static str {
         match self {
@@ -63,4 +77,17 @@ pub struct RobotEnd {
     pub reason: EndReason,
     /// Number of ticks until the end.
     pub tick: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_in_files() {
+        use EndReason::*;
+        for reason in [Explored, Stuck, Failed, Drowned, Battery, TimeLimit, Stopped, Removed] {
+            assert_eq!(serde_json::to_value(reason).expect("a name"), reason.name());
+        }
+    }
 }

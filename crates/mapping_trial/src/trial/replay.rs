@@ -7,6 +7,7 @@ use super::command_log::CommandLog;
 use super::end::{EndReason, RobotEnd};
 use super::error::TrialError;
 use super::log::TrialLog;
+use super::parts::{ForeignPart, PartRole};
 use super::running::Trial;
 use super::script::Script;
 use super::settings::TrialSettings;
@@ -54,6 +55,11 @@ impl TrialLog {
         }
         let mut trial = build(builder)?;
         trial.settings.policy = self.settings.policy;
+        let is_missing = |part: &&ForeignPart| {
+            part.role != PartRole::Policy
+                && !trial.foreign.iter().any(|known| known.role == part.role)
+        };
+        trial.replaced = self.foreign.iter().filter(is_missing).cloned().collect();
         trial.foreign = self.foreign.clone();
         trial.source = self.world.clone();
         trial.script =

@@ -41,6 +41,10 @@ pub struct TrialReport {
     /// The parts that were plugged in, in place of those that the settings name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub foreign: Vec<ForeignPart>,
+    /// Parts of a replayed log that were not plugged in again: these results are those of the parts that
+    /// the settings name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub replaced: Vec<ForeignPart>,
     /// Why the policy, or the driver that also does SLAM, failed; absent if it did not fail. After a failure in the
     /// last tick the ends have other reasons.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -107,7 +111,8 @@ impl<B: RobotBackend> Trial<B> {
         };
         let estimated = self.estimated_tracks()?;
         let scores = self.score_of(truth, &estimated)?;
-        let part = |role| self.foreign().iter().find(|part| part.role == role);
+        let plugged_in = self.foreign().iter().filter(|part| !self.replaced.contains(part));
+        let foreign: Vec<ForeignPart> = plugged_in.cloned().collect();
         let mut report = TrialReport {
             version: REPORT_VERSION,
             world: world.provenance.clone(),
@@ -116,13 +121,15 @@ impl<B: RobotBackend> Trial<B> {
             settings: self.settings().clone(),
             robots: (0..self.robots()).map(robot).collect(),
             scenario: self.scenario().cloned(),
-            foreign: self.foreign().to_vec(),
+            foreign,
+            replaced: self.replaced.clone(),
             failure: self.failure().map(str::to_owned),
             scores,
             feedback: None,
         };
         let built_in = self.settings().policy.as_ref().and_then(Named::name);
-        let plugged_in = part(PartRole::Policy).map(|part| part.name.as_str());
+        let policy = self.foreign().iter().find(|part| part.role == PartRole::Policy);
+        let plugged_in = policy.map(|part| part.name.as_str());
         if let Some(policy) = plugged_in.or(built_in) {
             let tracks = self.score_tracks(&estimated);
             let measured = Measured { policy, world, scores: &scores, tracks: &tracks };

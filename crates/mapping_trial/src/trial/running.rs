@@ -51,6 +51,8 @@ pub struct Trial<B> {
     pub(super) autonomy: Autonomy,
     pub(super) observer: Option<Box<dyn TrialObserver + Send + Sync>>,
     pub(super) foreign: Vec<ForeignPart>,
+    /// The parts of [`Trial::foreign`] that a replay does without.
+    pub(super) replaced: Vec<ForeignPart>,
     pub(super) starts: Vec<Pose>,
     pub(super) source: LogWorld,
     pub(super) world_digest: String,
@@ -315,7 +317,8 @@ impl<B: RobotBackend> Trial<B> {
         }
     }
 
-    /// Returns the parts that were plugged in, in place of those that the settings name.
+    /// Returns the parts that were plugged in, in place of those that the settings name. For a replay
+    /// these are the parts of the log, even if they were not plugged in again.
     pub fn foreign(&self) -> &[ForeignPart] {
         &self.foreign
     }

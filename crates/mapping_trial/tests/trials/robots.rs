@@ -1,5 +1,5 @@
 //! Robots of any size pass gaps that are wider than they are and do not enter narrower ones: in plans,
-//! in the flat simulator, and in the reference for scores.
+//! in the flat simulator, and in the reference for scores. Robots and lasers that ship map worlds.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -8,14 +8,17 @@ use std::sync::Arc;
 use envgen::geometry::{Pose, Rect};
 use envgen::glam::DVec2;
 use envgen::hallway::HallwaySpec;
+use envgen::indoor::IndoorSpec;
 use envgen::{Blueprint, Seed, Spec, World};
 use mapping_trial::backend::{Command, RobotBackend};
 use mapping_trial::flat::{FlatSimulator, FlatWorld};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::mappable_area::MappableArea;
+use mapping_trial::names::Named;
 use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::costmap::{CellCost, Costmap};
 use mapping_trial::policy::search::GridPlanner;
+use mapping_trial::profile::named_or_read;
 use mapping_trial::robot::{Footprint, LaserMount, Robot};
 use mapping_trial::score::Scores;
 use mapping_trial::trial::{EndReason, Trial, TrialSettings};
@@ -204,4 +207,28 @@ fn the_robots_that_ship_can_be_driven() {
     assert_eq!(names, shipped);
     let pioneer = std::fs::read_to_string(folder.join("pioneer_3at.ron")).expect("a file");
     assert_eq!(Robot::from_ron(&pioneer), Ok(Robot::default()));
+}
+
+/// The lasers in `assets/lasers`, which look all around, map rooms.
+#[test]
+fn the_lasers_that_ship_map_rooms() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/lasers");
+    let spec = IndoorSpec { width: 5, height: 5, ..Default::default() };
+    let world = spec.generate(Seed(3)).expect("a map").to_world();
+    let mut names = Vec::new();
+    for entry in folder.read_dir().expect("the folder of lasers") {
+        let path = entry.expect("an entry").path();
+        let laser: LaserProfile =
+            named_or_read(&path.to_string_lossy()).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((laser.beams, laser.name()), (360, None), "{}", path.display());
+        let settings = TrialSettings { laser, ..Default::default() };
+        let mut trial = Trial::flat(&world, settings).expect("a free start");
+        while trial.step() {}
+        let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
+        assert!(scores.coverage > 0.9, "{}: {scores:?}", path.display());
+        assert!(scores.trajectory_error < 0.2, "{}: {scores:?}", path.display());
+        names.push(path.file_stem().expect("a name").to_string_lossy().into_owned());
+    }
+    names.sort();
+    assert_eq!(names, ["lds_01", "rplidar_a1"]);
 }

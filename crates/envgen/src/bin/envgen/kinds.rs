@@ -31,13 +31,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let is_scenario = arguments.kind.as_deref() == Some(SCENARIO);
     let kinds = match &arguments.kind {
         Some(_) if is_scenario => Vec::new(),
-        Some(name) => vec![name.parse()?],
+        Some(name) => {
+            vec![name.parse().map_err(|error| Failure::Usage(format!("{error}, or {SCENARIO}")))?]
+        }
         None => WorldKind::ALL.to_vec(),
     };
     let mut out = io::stdout().lock();
     if arguments.json {
         let mut list: Vec<Value> = kinds.iter().map(|kind| describe(*kind)).collect();
-        if is_scenario {
+        if is_scenario || arguments.kind.is_none() {
             list.push(describe_scenario());
         }
         serde_json::to_writer_pretty(&mut out, &list)?;

@@ -95,6 +95,8 @@ impl Source {
         }
         if let WorldSpec::Indoor(indoor) = &mut spec {
             settings.iter().for_each(|setting| indoor.fix(setting.name));
+            let names: Vec<&str> = settings.iter().map(|setting| setting.name).collect();
+            indoor.check_given(&names).map_err(|error| self.blame(error, settings))?;
         }
         if self.rooms.are_given() {
             self.furnish(&mut spec)?;
@@ -203,7 +205,11 @@ impl WorldFile {
                     format!("{GIVEN_ROOMS} apply to projects of the World Generator (.xml) only");
                 return Err(Failure::Usage(text));
             }
-            return Ok(reader(&mut open(path)?, path).in_file(path)?);
+            let world = reader(&mut open(path)?, path).in_file(path)?;
+            if let Some(doubt) = import::ros_map::doubt(path) {
+                note(&format!("{}: {doubt}", path.display()));
+            }
+            return Ok(world);
         }
         let catalogue = self.rooms.catalogue(Catalogue::builtin())?;
         let library = self.rooms.library()?;

@@ -22,13 +22,33 @@ pub struct Door {
     #[serde(default)]
     pub to_right: bool,
     /// What opens and closes it.
+    #[serde(default = "usual_control")]
     pub control: DoorControl,
     /// Mean time in seconds for which the door stays open, if it is timed.
+    #[serde(default = "usual_open")]
     pub open: f64,
     /// Mean time in seconds for which the door stays closed, if it is timed.
+    #[serde(default = "usual_closed")]
     pub closed: f64,
     /// Probability that the door slams when it closes.
+    #[serde(default = "usual_slam")]
     pub slam: f64,
+}
+
+fn usual_control() -> DoorControl {
+    DoorControl::Timed
+}
+
+fn usual_open() -> f64 {
+    ScenarioSpec::default().door_open
+}
+
+fn usual_closed() -> f64 {
+    ScenarioSpec::default().door_closed
+}
+
+fn usual_slam() -> f64 {
+    ScenarioSpec::default().slam
 }
 
 /// The kinds of motion of a door.

@@ -20,9 +20,15 @@ pub struct SmokeSource {
     /// The final extinction coefficient of the smoke, in 1/m.
     pub extinction: f64,
     /// The time in seconds in which the smoke reaches 63 % of that; 0 if it is there from the start.
+    #[serde(default)]
     pub growth: f64,
     /// The kind of smoke.
+    #[serde(default = "usual_kind")]
     pub kind: SmokeKind,
+}
+
+fn usual_kind() -> SmokeKind {
+    SmokeKind::Regional
 }
 
 /// The space that the smoke of a source fills.

@@ -61,6 +61,7 @@ impl Arguments {
         for name in &names {
             spec.fix(name);
         }
+        spec.check_given(&names)?;
         let is_given = names.contains(&"robot_radius");
         if !is_given {
             spec.robot_radius = robot_radius(panel);

@@ -17,7 +17,7 @@ use serde::Serialize;
 use crate::panel::PanelOptions;
 use crate::progress;
 use crate::stdout;
-use crate::warning::warn_of_coverage;
+use crate::warning::{warn_of_coverage, warn_of_map};
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -59,6 +59,7 @@ struct Report {
 pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
     let path = &arguments.world;
     let mut world = import::read_world(path).in_file(path)?;
+    warn_of_map(path);
     MappableArea::check_size(&world).in_file(path)?;
     if world.start.is_none() {
         let start = pose_of_most_clearance(&world).in_file(path)?;

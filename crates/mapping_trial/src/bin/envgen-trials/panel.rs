@@ -1,7 +1,7 @@
 //! The panel whose trials measure difficulty, and its scale.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use envgen::calibration::Scale;
@@ -14,13 +14,15 @@ use mapping_trial::experiment::survey::{Condition, Record};
 use mapping_trial::experiment::{Shard, policy_name};
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::names::Named;
+use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
+use mapping_trial::profile::{self, named_or_read};
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
 
 use crate::survey;
 use crate::usage::Usage;
-use crate::warning::warn;
+use crate::warning::{print, warn};
 
 /// Options that replace parts of the panel.
 #[derive(Args)]
@@ -34,9 +36,14 @@ pub(crate) struct PanelOptions {
     #[arg(long, value_name = "FILE.ron")]
     robot: Option<PathBuf>,
 
-    /// The laser of all conditions: lms200_mm, lms200_mm_rough, usarsim, urg_04lx or wide_12m.
-    #[arg(long, value_name = "NAME")]
+    /// The laser of all conditions: lms200_mm, lms200_mm_rough, usarsim, urg_04lx, wide_12m, or a RON file with one
+    /// such as `(beams: 360, field_of_view: 6.2657, max_range: 3.5)`.
+    #[arg(long, value_name = "NAME|FILE.ron")]
     laser: Option<String>,
+
+    /// What the wheels measure in all conditions: skid, mild, poor, exact, or a RON file with other errors.
+    #[arg(long, value_name = "NAME|FILE.ron")]
+    odometry: Option<String>,
 
     /// The estimator of poses and map in all conditions: scan_to_map, pose_graph or dead_reckoning.
     #[arg(long, value_parser = SlamKind::named)]
@@ -69,7 +76,9 @@ pub(crate) struct PanelOptions {
 impl PanelOptions {
     /// The files that are read.
     pub(crate) fn inputs(&self) -> Vec<PathBuf> {
-        [&self.panel, &self.robot].into_iter().flatten().cloned().collect()
+        let profiles = [&self.laser, &self.odometry].into_iter().flatten();
+        let profiles = profiles.filter(|name| profile::is_file(name)).map(PathBuf::from);
+        [&self.panel, &self.robot].into_iter().flatten().cloned().chain(profiles).collect()
     }
 
     /// The panel.
@@ -91,10 +100,18 @@ impl PanelOptions {
             change(&mut panel, &format!("robot {file}"), |one| one.robot = robot.clone());
         }
         if let Some(laser) = &self.laser {
-            LaserProfile::named(laser).in_option("--laser", laser)?;
+            let profile: LaserProfile = named_or_read(laser).in_option("--laser", laser)?;
+            let laser = file_name(laser);
             change(&mut panel, &format!("laser {laser}"), |one| {
                 one.name = sensed_by(laser, one);
-                one.laser.clone_from(laser);
+                one.laser = profile.clone();
+            });
+        }
+        if let Some(odometry) = &self.odometry {
+            let profile: OdometryProfile =
+                named_or_read(odometry).in_option("--odometry", odometry)?;
+            change(&mut panel, &format!("odometry {}", file_name(odometry)), |one| {
+                one.odometry = profile.clone();
             });
         }
         if let Some(slam) = self.slam {
@@ -137,6 +154,8 @@ impl PanelOptions {
             let digest = Digest::of(&survey).to_string();
             PathBuf::from("out").join(format!("anchors-{}", &digest[..12]))
         });
+        let trials = survey.trials();
+        print(&format!("the {trials} trials of the panel's anchors are in {}", folder.display()));
         let folder = survey::run(&survey, &folder, Shard::WHOLE, threads)?;
         for text in warnings(&anchors, panel, folder.records()) {
             warn(&text);
@@ -191,6 +210,11 @@ fn change(panel: &mut Panel, what: &str, change: impl Fn(&mut Condition)) {
     }
 }
 
+/// Returns the name of a file without its folders, or a name as it is.
+fn file_name(name: &str) -> &str {
+    Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name)
+}
+
 /// Returns the name of a condition with another driver, which replaces the policy in the name, if it is
 /// there.
 fn driven_by(driver: &str, condition: &Condition) -> String {
@@ -206,7 +230,9 @@ fn driven_by(driver: &str, condition: &Condition) -> String {
 /// dropped if it refers to the laser before.
 fn sensed_by(laser: &str, condition: &Condition) -> String {
     match condition.name.split_once(", ") {
-        Some((first, rest)) if OF_LASERS.contains(&rest) || rest == condition.laser => {
+        Some((first, rest))
+            if OF_LASERS.contains(&rest) || Some(rest) == condition.laser.name() =>
+        {
             format!("{first}, {laser}")
         }
         _ => format!("{}, {laser}", condition.name),
@@ -227,6 +253,7 @@ mod tests {
             panel: None,
             robot: None,
             laser: None,
+            odometry: None,
             slam: None,
             wheel_calibration: None,
             policy: None,

@@ -24,7 +24,7 @@ use crate::spinner::spinner;
 use crate::start_argument::start;
 use crate::stdout;
 use crate::usage::Usage;
-use crate::warning::warn;
+use crate::warning::{warn, warn_of_map};
 
 /// Least fraction of a map's free cells that have to be ground for no warning.
 const LEAST_GROUND: f64 = 0.5;
@@ -115,6 +115,9 @@ struct Trajectory {
     alignment: Pose,
 }
 
+/// Endings of images of ROS maps.
+const IMAGES: [&str; 2] = ["pgm", "png"];
+
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let path = &arguments.world;
     let world = import::read_world(path).in_file(path)?;
@@ -125,7 +128,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let start = arguments.start.or(world.start);
     let start = start.ok_or("the world has no start: use --start X,Y,HEADING").in_file(path)?;
     let path = &arguments.map;
+    if path
+        .extension()
+        .is_some_and(|ending| IMAGES.iter().any(|name| ending.eq_ignore_ascii_case(name)))
+    {
+        let error =
+            format!("--map {}: give the .yaml of the map, which names its image", path.display());
+        return Err(Usage(error).into());
+    }
     let ros_map = read_ros_map(&mut File::open(path).in_file(path)?, path).in_file(path)?;
+    warn_of_map(path);
     let (estimated, truth) = (&arguments.trajectory, &arguments.truth);
     if estimated.len() != truth.len() {
         let (estimated, truth) = (estimated.len(), truth.len());

@@ -1,7 +1,9 @@
 //! Warnings and errors on stderr.
 
 use std::io::Write;
+use std::path::Path;
 
+use envgen::import::ros_map::doubt;
 use mapping_trial::difficulty::Measurement;
 
 /// Least mean coverage of trials for no warning.
@@ -15,6 +17,13 @@ pub(crate) fn warn(text: &str) {
 /// Prints a line. If this fails, there is nowhere to report it.
 pub(crate) fn print(line: &str) {
     writeln!(std::io::stderr(), "{line}").ok();
+}
+
+/// Warns about a ROS map whose unknown cells seem to be free.
+pub(crate) fn warn_of_map(path: &Path) {
+    if let Some(doubt) = doubt(path) {
+        warn(&format!("{}: {doubt}", path.display()));
+    }
 }
 
 /// Warns about trials that covered little: their scores say nothing about the rest of the world.

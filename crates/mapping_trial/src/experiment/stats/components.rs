@@ -59,9 +59,10 @@ pub struct Components {
     /// Signal-to-noise ratio: the variance of maps over the variance within a map, which is that of
     /// noise and of all interactions with the map; absent if nothing varies within a map.
     pub signal_to_noise: Option<Interval>,
-    /// Number of trials per map for which its mean has a standard error of 0.2, if each trial has
-    /// randomly drawn conditions and its own noise. If the conditions are few and the same for all
-    /// maps, more trials reduce the noise alone.
+    /// Number of trials per map for which its mean has a standard error of 0.2 relative to the means of
+    /// other maps, if each trial has randomly drawn conditions and its own noise. What conditions add
+    /// to all maps alike does not count. If the conditions are few and the same for all maps, more
+    /// trials reduce the noise alone.
     pub trials_for_fifth: u64,
 }
 

@@ -11,9 +11,9 @@ use thiserror::Error;
 
 use crate::driver::command;
 use crate::lidar::LaserProfile;
-use crate::names::Named;
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
+use crate::profile;
 use crate::robot::Robot;
 use crate::slam::{SlamKind, WheelCalibration};
 use crate::trial::TrialSettings;
@@ -118,10 +118,12 @@ pub struct Condition {
     /// The systematic errors of the wheels that are learned.
     #[serde(skip_serializing_if = "WheelCalibration::is_default")]
     pub wheel_calibration: WheelCalibration,
-    /// Name of the laser profile.
-    pub laser: String,
-    /// Name of the odometry profile.
-    pub odometry: String,
+    /// What the laser measures; in files the name of a built-in profile, or numbers.
+    #[serde(serialize_with = "profile::write", deserialize_with = "profile::read")]
+    pub laser: LaserProfile,
+    /// What the wheels measure; in files the name of a built-in profile, or numbers.
+    #[serde(serialize_with = "profile::write", deserialize_with = "profile::read")]
+    pub odometry: OdometryProfile,
     /// The robot.
     pub robot: Robot,
     /// Time limit in seconds.
@@ -142,8 +144,8 @@ impl Default for Condition {
             driver: None,
             slam: settings.slam,
             wheel_calibration: settings.wheel_calibration,
-            laser: settings.laser.name().unwrap_or_default().to_owned(),
-            odometry: settings.odometry.name().unwrap_or_default().to_owned(),
+            laser: settings.laser,
+            odometry: settings.odometry,
             robot: settings.body,
             time_limit: settings.time_limit,
             time_per_area: settings.time_per_area,
@@ -195,15 +197,15 @@ impl Condition {
     ///
     /// # Errors
     ///
-    /// If a profile does not exist, if a number is not allowed, or if a driver names no program.
+    /// If a number is not allowed, or if a driver names no program.
     pub fn settings(&self, noise: Seed) -> Result<TrialSettings, SpecError> {
         let settings = TrialSettings {
             seed: noise,
             policy: Some(self.policy),
             slam: self.slam,
             wheel_calibration: self.wheel_calibration,
-            laser: LaserProfile::named(&self.laser)?,
-            odometry: OdometryProfile::named(&self.odometry)?,
+            laser: self.laser.clone(),
+            odometry: self.odometry.clone(),
             body: self.robot.clone(),
             time_limit: self.time_limit,
             time_per_area: self.time_per_area,
@@ -493,8 +495,8 @@ mod tests {
         assert!(error(&|s| s.families[1].name = "a".into()).contains("each of another name"));
         assert!(error(&|s| s.families[1].maps = 0).starts_with("b: `maps` must be"));
         assert!(error(&|s| s.families[0].first_seed = Seed(u64::MAX)).contains("a: `first_seed`"));
-        let text = error(&|s| s.conditions[1].laser = "sharp".into());
-        assert!(text.starts_with("two: `laser` must be one of lms200_mm"), "{text}");
+        let text = error(&|s| s.conditions[1].laser.beams = 0);
+        assert!(text.starts_with("two: `laser.beams` must be a whole number"), "{text}");
         assert!(error(&|s| s.conditions[0].time_per_area = Some(f64::NAN)).contains("NaN"));
         let text = error(&|s| s.families[0].maps = 1_000_000);
         assert!(text.contains("at most 1000000 trials"), "{text}");

@@ -139,7 +139,11 @@ impl SurveyFolder {
 
     /// Does the same as [`SurveyFolder::merge`] for a known survey. A share may differ in families of
     /// which it has no world, since these may not be known before the others have run.
-    pub(crate) fn merge_of(
+    ///
+    /// # Errors
+    ///
+    /// As [`SurveyFolder::merge`], and if the survey is not allowed.
+    pub fn merge_of(
         survey: &Survey,
         folder: &Path,
         parts: &[PathBuf],

@@ -197,8 +197,8 @@ const FACETS: [Facet; 4] = [
         Some(line) => format!("driver {line}"),
         None => format!("{:?}", one.policy),
     }),
-    ("laser", |one| one.laser.clone()),
-    ("odometry", |one| one.odometry.clone()),
+    ("laser", |one| format!("{:?}", one.laser)),
+    ("odometry", |one| format!("{:?}", one.odometry)),
     ("SLAM", |one| format!("{:?}", one.slam)),
 ];
 
@@ -284,6 +284,8 @@ fn measures(survey: &Survey, maps: &[&[&Record]]) -> Vec<MeasureComponents> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lidar::LaserProfile;
+    use crate::names::Named;
     use crate::policy::PolicyKind;
 
     #[test]
@@ -291,7 +293,7 @@ mod tests {
         let with = |policy, driver: Option<&str>, laser: &str| Condition {
             policy,
             driver: driver.map(str::to_owned),
-            laser: laser.to_owned(),
+            laser: LaserProfile::named(laser).expect("a laser"),
             ..Condition::default()
         };
         let (nearest, cautious) = (PolicyKind::Nearest, PolicyKind::Cautious);
