@@ -5,10 +5,10 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+use envgen::assignment::{Assignment, assignments};
 use envgen::edit::Document;
 use envgen::indoor::{Catalogue, IndoorSpec};
 use envgen::located::Locate;
-use envgen::settings::{Assignment, assignments};
 use envgen::{Seed, WorldKind, WorldSpec, import};
 
 use crate::saving::FOLDER;

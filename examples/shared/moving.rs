@@ -2,9 +2,9 @@
 
 use std::error::Error;
 
+use envgen::assignment::{Assignment, assignments};
 use envgen::located::Locate;
 use envgen::scenario::ScenarioSpec;
-use envgen::settings::{Assignment, assignments};
 
 /// Returns the scenario for settings such as `doors=0.5`.
 pub(crate) fn spec(settings: &[String]) -> Result<ScenarioSpec, Box<dyn Error>> {

@@ -4,9 +4,9 @@ use std::error::Error;
 use std::path::Path;
 
 use clap::Parser;
+use envgen::assignment::{Assignment, assignments};
 use envgen::located::Locate;
 use envgen::scenario::{Scenario, ScenarioSpec};
-use envgen::settings::{Assignment, assignments};
 use envgen::{Seed, SettingsError, World, WorldKind, WorldSpec, import};
 
 use crate::spec_file;

@@ -25,7 +25,7 @@
 //! | what | where |
 //! |---|---|
 //! | generators, one module per kind | [`hallway`], [`forest`], [`road`], [`indoor`], [`landscape`], [`cellular`] |
-//! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`WorldKind`], [`mod@settings`] |
+//! | any kind at once, as in RON files and on the command line | [`WorldSpec`], [`WorldKind`], [`mod@settings`], [`assignment`] |
 //! | seeds and named random streams | [`Seed`], [`Stream`], [`distribution`] |
 //! | output of the generators | [`World`], [`world`], [`geometry`], [`GridFrame`] |
 //! | queries and checks of a world | [`occupancy`], [`raycast`], [`clearance_index`], [`surface_index`], [`placement`], [`mod@distance`], [`certificate`], [`reproduction`], `picture` |
@@ -34,7 +34,7 @@
 //! | how difficult a world is to map | [`difficulty`], [`calibration`] |
 //! | bodies in three dimensions | [`pieces`], [`mod@outline`], `mesh` |
 //! | colours of pictures | [`palette`] |
-//! | files | [`export`], [`import`], [`mod@file`], `whole_file` |
+//! | files | [`export`], [`import`], [`mod@file`], [`text_file`], `whole_file` |
 //! | errors that name a file or an option | [`located`] |
 //!
 //! # Guarantees
@@ -75,6 +75,7 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+pub mod assignment;
 pub mod calibration;
 pub mod cellular;
 pub mod certificate;

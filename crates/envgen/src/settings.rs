@@ -5,14 +5,12 @@
 //! [`Setting`]s is printed by `envgen kinds`, holds the limits that a spec's `validate` checks, and lets a user
 //! interface offer every setting with its range.
 
-mod assignment;
 mod text;
 
 use std::fmt;
 
 use serde_json::Value;
 
-pub use self::assignment::{Assignment, AssignmentError, assignments};
 use self::text::{item, item_text, items, plain_text};
 use crate::error::SpecError;
 

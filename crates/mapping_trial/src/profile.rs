@@ -1,11 +1,10 @@
 //! Profiles of lasers and wheels: the built-in ones by name, and others from files.
 
-use std::error::Error;
 use std::fmt;
+use std::io;
 use std::marker::PhantomData;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use envgen::located::Locate;
 use envgen::{SpecError, text_file};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, MapAccess, Visitor};
@@ -73,8 +72,8 @@ impl Profile for OdometryProfile {
     }
 }
 
-/// An error in the RON of a profile.
-#[derive(Clone, Debug, PartialEq, Error)]
+/// An error in a profile.
+#[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ProfileError {
     /// A syntax error or an unknown field, with its line and column.
@@ -87,9 +86,25 @@ pub enum ProfileError {
         /// The error.
         error: Box<ron::error::SpannedError>,
     },
-    /// A number outside of its limits.
+    /// A number outside of its limits, or a name that does not exist.
     #[error(transparent)]
-    Number(#[from] SpecError),
+    Value(#[from] SpecError),
+    /// A file that cannot be read.
+    #[error("{path}: {error}")]
+    Unreadable {
+        /// The path of the file.
+        path: PathBuf,
+        /// The cause.
+        error: io::Error,
+    },
+    /// An error in the text of a file.
+    #[error("{path}: {error}")]
+    File {
+        /// The path of the file.
+        path: PathBuf,
+        /// The error.
+        error: Box<ProfileError>,
+    },
 }
 
 /// Returns whether an option such as `--laser` gives a file, not a name: its text ends with `.ron`.
@@ -103,14 +118,17 @@ pub fn is_file(text: &str) -> bool {
 /// # Errors
 ///
 /// If there is no profile with this name, or if the file cannot be read or holds no profile.
-pub fn named_or_read<T: Profile>(text: &str) -> Result<T, Box<dyn Error + Send + Sync>> {
+pub fn named_or_read<T: Profile>(text: &str) -> Result<T, ProfileError> {
     if !is_file(text) {
         return T::named(text).map_err(|SpecError { field, value, allowed }| {
             SpecError { field, value, allowed: format!("{allowed} or a file (.ron)") }.into()
         });
     }
     let path = Path::new(text);
-    Ok(T::from_ron(&text_file::read(path).in_file(path)?).in_file(path)?)
+    let read = text_file::read(path)
+        .map_err(|error| ProfileError::Unreadable { path: path.to_owned(), error })?;
+    T::from_ron(&read)
+        .map_err(|error| ProfileError::File { path: path.to_owned(), error: Box::new(error) })
 }
 
 /// Writes a built-in profile as its name, and any other by its numbers.

@@ -510,12 +510,8 @@ mod tests {
                 .to_world(),
         ];
         let area = Rect::new(DVec2::ZERO, DVec2::ONE);
-        let crosses = |area, radius| Claim::CrossesWestEast {
-            area,
-            radius,
-            crosses: false,
-            predicted: None,
-        };
+        let crosses =
+            |area, radius| Claim::CrossesWestEast { area, radius, crosses: false, predicted: None };
         let predicted = |value| {
             let dial = Estimate { value, standard_error: 1.0 };
             let dials = Dials { difficulty: dial, mapping: dial, navigation: dial };

@@ -292,7 +292,7 @@ pub(super) fn crosses_west_east(forest: &Forest) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generate::Spec;
+    use crate::generate::{Blueprint, Spec};
     use crate::seed::Seed;
 
     /// Returns a forest of a reduced density for points as robots.

@@ -126,7 +126,7 @@ impl CellValues {
         let CellValues { mut cells, numbers, .. } = self;
         let are_classes = numbers.keys().all(|value| (1..=65_535).contains(value));
         let mut classes = vec![0; numbers.len() + 1];
-        for (class, (&value, &number)) in (1..).zip(&numbers) {
+        for (class, (&value, &number)) in (1..=u16::MAX).zip(&numbers) {
             classes[usize::from(number)] = if are_classes { value as u16 } else { class };
         }
         for cell in &mut cells {

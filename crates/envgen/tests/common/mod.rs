@@ -94,7 +94,12 @@ pub(crate) fn indoor() -> World {
     world.goal = Some(Pose::new(21.0, 11.5, FRAC_PI_2));
     world.certificate = vec![
         Claim::Connected { radius: 0.25 },
-        Claim::CrossesWestEast { area: world.bounds, radius: 0.5, crosses: true, predicted: Some(true) },
+        Claim::CrossesWestEast {
+            area: world.bounds,
+            radius: 0.5,
+            crosses: true,
+            predicted: Some(true),
+        },
         Claim::TreeDistance { distance: 1.25, torus: None },
     ];
     world

@@ -5,8 +5,9 @@
 
 use std::collections::BTreeMap;
 
+use envgen::assignment::{Assignment, assignments};
+use envgen::located::Located;
 use envgen::scenario::ScenarioSpec;
-use envgen::settings::{Assignment, assignments};
 use envgen::{Seed, SpecError};
 use serde::Serialize;
 
@@ -85,8 +86,11 @@ impl Hazard {
             Err(SpecError::new("hazards", part, allowed))
         };
         let texts = text.split('+').map(setting).collect::<Result<Vec<_>, _>>()?;
-        let settings = assignments("hazards", &texts, ScenarioSpec::SETTINGS)
-            .map_err(|_| SpecError::new("hazards", text, "settings of which each is there once"))?;
+        let settings = assignments("hazards", &texts, ScenarioSpec::SETTINGS);
+        let settings = settings.map_err(|Located { error, .. }| {
+            let allowed = format!("settings of which each is there once: {error}");
+            SpecError::new("hazards", text, allowed)
+        })?;
         for Assignment { name, value, .. } in &settings {
             scenario.set(name, value)?;
         }
@@ -280,7 +284,7 @@ mod tests {
             assert!(error(text).starts_with("`hazards` must be one of doors, people, smoke"));
         }
         let twice = error("doors=1+doors");
-        assert!(twice.ends_with("not doors twice, got doors=1+doors"), "{twice}");
+        assert!(twice.ends_with("`doors` is set twice, got doors=1+doors"), "{twice}");
         assert!(error("doors+people=-1").starts_with("`people` must be a whole number from 0"));
     }
 

@@ -7,6 +7,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use envgen::assignment::AssignmentError;
 use envgen::export::{ExportError, OutputError};
 use envgen::import::{ImportError, RasterFileError};
 use envgen::indoor::{CatalogueError, FolderError};
@@ -15,7 +16,6 @@ use envgen::located::Located;
 use envgen::occupancy::OccupancyError;
 use envgen::picture::PictureError;
 use envgen::scenario::ScenarioFileError;
-use envgen::settings::AssignmentError;
 use envgen::{GenerateError, SettingsError, SpecError};
 
 /// Why a run ends.
@@ -129,6 +129,17 @@ impl From<RasterFileError> for Failure {
     }
 }
 
+impl From<FolderError> for Failure {
+    fn from(error: FolderError) -> Self {
+        match error {
+            FolderError::Read { .. } | FolderError::Missing(_) => {
+                Failure::Failed(error.to_string())
+            }
+            other => Failure::Usage(other.to_string()),
+        }
+    }
+}
+
 impl From<RasterError> for Failure {
     fn from(error: RasterError) -> Self {
         Failure::Failed(error.to_string())
@@ -149,7 +160,6 @@ macro_rules! usage {
 usage!(
     AssignmentError,
     CatalogueError,
-    FolderError,
     OccupancyError,
     PictureError,
     ScenarioFileError,

@@ -13,7 +13,7 @@ use crate::failure::Failure;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Prints JSON.
+    /// Prints JSON: the kinds of worlds, or one of them, or `scenario`.
     #[arg(long)]
     json: bool,
 
@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let mut out = io::stdout().lock();
     if arguments.json {
         let mut list: Vec<Value> = kinds.iter().map(|kind| describe(*kind)).collect();
-        if is_scenario || arguments.kind.is_none() {
+        if is_scenario {
             list.push(describe_scenario());
         }
         serde_json::to_writer_pretty(&mut out, &list)?;

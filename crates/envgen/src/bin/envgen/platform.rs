@@ -1,9 +1,9 @@
 //! The robot and laser for which difficulty is computed.
 
 use clap::Args;
+use envgen::assignment::{Assignment, assignments};
 use envgen::difficulty::Platform;
 use envgen::located::Locate;
-use envgen::settings::{Assignment, assignments};
 
 use crate::failure::Failure;
 

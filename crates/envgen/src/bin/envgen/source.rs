@@ -4,12 +4,12 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use envgen::assignment::{Assignment, assignments};
 use envgen::import;
 use envgen::indoor::world_generator::{HALLWAY, LibraryRoom};
 use envgen::indoor::{Catalogue, PlacedRoom};
 use envgen::located::Locate;
 use envgen::scenario::ScenarioSpec;
-use envgen::settings::{Assignment, assignments};
 use envgen::text_file;
 use envgen::{
     Blueprint, GenerateError, Seed, SettingsError, SpecError, World, WorldKind, WorldSpec,

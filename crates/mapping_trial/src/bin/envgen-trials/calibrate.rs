@@ -100,6 +100,9 @@ fn open(
     shard: Shard,
     partial: bool,
 ) -> Result<SurveyFolder, Box<dyn Error>> {
+    if !path.is_dir() {
+        return Err(format!("{}: there is no such folder", path.display()).into());
+    }
     // The folder has to hold a survey: opening another one would begin a survey in it.
     SurveyFolder::survey_of(path)?;
     let folder = SurveyFolder::open(path, survey, shard)?;

@@ -5,11 +5,11 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use clap::Args;
+use envgen::assignment::{Assignment, assignments};
 use envgen::calibration::{Dials, Estimate};
 use envgen::export::{Job, Output};
 use envgen::indoor::{IndoorSpec, Profile, Request};
 use envgen::located::Locate;
-use envgen::settings::{Assignment, assignments};
 use envgen::whole_file::commit_all;
 use envgen::{Blueprint, Seed, Spec, WorldBlueprint, WorldKind, WorldSpec};
 use mapping_trial::difficulty::{NEAR_REQUEST, Panel, Verified, most_trials, verified};

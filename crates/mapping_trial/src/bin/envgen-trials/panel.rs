@@ -82,11 +82,7 @@ impl PanelOptions {
     }
 
     /// The panel.
-    pub(crate) fn panel(&self) -> Result<Panel, Usage> {
-        self.changed_panel().map_err(|error| Usage(error.to_string()))
-    }
-
-    fn changed_panel(&self) -> Result<Panel, Box<dyn Error>> {
+    pub(crate) fn panel(&self) -> Result<Panel, Box<dyn Error>> {
         let mut panel = match &self.panel {
             None => Panel::reference(),
             Some(path) => Panel::from_ron(&text_file::read(path).in_file(path)?).in_file(path)?,
@@ -130,7 +126,8 @@ impl PanelOptions {
             });
         }
         if let Some(line) = &self.driver {
-            mapping_trial::driver::command(line).in_option("--driver", line)?;
+            mapping_trial::driver::command(line)
+                .map_err(|error| Usage(format!("--driver {line}: {error}")))?;
             change(&mut panel, &format!("driver {line}"), |one| {
                 one.name = driven_by("driver", one);
                 // The policy does not drive. With the same one in all conditions, those that differed

@@ -2,11 +2,14 @@
 
 use std::error::Error;
 
+use envgen::assignment::AssignmentError;
 use envgen::export::OutputError;
 use envgen::import::ImportError;
 use envgen::located::Located;
-use envgen::settings::AssignmentError;
 use envgen::{SettingsError, SpecError};
+use mapping_trial::experiment::survey::SurveyError;
+use mapping_trial::profile::ProfileError;
+use mapping_trial::robot::RobotError;
 use thiserror::Error;
 
 /// Arguments that are not valid.
@@ -23,6 +26,11 @@ pub(crate) fn is_usage(error: &(dyn Error + 'static)) -> bool {
         || error.is::<Located<SpecError>>()
         || error.is::<Located<SettingsError>>()
         || error.is::<Located<OutputError>>()
+        || error.is::<Located<RobotError>>()
+        || error.is::<Located<SurveyError>>()
+        || error
+            .downcast_ref()
+            .is_some_and(|Located { error, .. }| !matches!(error, ProfileError::Unreadable { .. }))
         || error
             .downcast_ref()
             .is_some_and(|Located { error, .. }| matches!(error, ImportError::UnknownEnding { .. }))

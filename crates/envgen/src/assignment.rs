@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-use super::Setting;
 use crate::located::{Locate, Located};
+use crate::settings::Setting;
 
 /// A change of a setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,8 @@ pub enum AssignmentError {
 /// Splits the values of an option such as `--set`. Names that are not among the settings are kept as they are.
 ///
 /// ```
-/// use envgen::{WorldKind, settings::assignments};
+/// use envgen::WorldKind;
+/// use envgen::assignment::assignments;
 ///
 /// let texts = ["width=3".to_owned(), "segments = 20".to_owned()];
 /// let found = assignments("--set", &texts, WorldKind::Hallway.settings())?;
