@@ -1,6 +1,6 @@
 //! Doors: when they open, and what a ray sees of them.
 
-use envgen::geometry::Shape;
+use envgen::geometry::{Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::scenario::{
     DoorCommand, DoorKinds, Robot, Scenario, ScenarioSpec, ScenarioState, Target,
@@ -150,4 +150,20 @@ fn rays_meet_leaves_where_they_are() {
     assert!((clearance - 0.4).abs() < 1e-9 || clearance <= 0.5_f64.sqrt() * 0.5 + 1e-9);
     state.step(0.5, &[robot]).unwrap();
     assert_eq!(cast(&state, 2.0), None);
+}
+
+#[test]
+fn a_doorway_that_is_narrower_than_its_wall_is_thick_gets_no_door() {
+    let (mut world, _) = two_rooms("kind: sliding, control: commanded");
+    // Both walls, and the doorway between them, become 1.4 m thick: 0.4 m more than the doorway is wide.
+    let thick = |low: f64, high: f64| {
+        Shape::from_rect(Rect::new(DVec2::new(3.3, low), DVec2::new(4.7, high)))
+    };
+    world.walls[0].shape = thick(0.0, 1.5);
+    world.walls[1].shape = thick(2.5, 4.0);
+    world.doorways[0].shape = thick(1.5, 2.5);
+    let spec = ScenarioSpec { doors: 1.0, ..Default::default() };
+    let error = Scenario::new(&world, &spec, Seed(1)).unwrap_err().to_string();
+    let expected = "`doors` must be 0: doorway 0 is narrower than its wall is thick, got 1";
+    assert_eq!(error, expected);
 }

@@ -46,6 +46,10 @@ pub(crate) fn place_doors(
         if !stream.chance(spec.doors) {
             continue;
         }
+        if around.is_in_sides(doorway) {
+            let why = format!("0: doorway {i} is narrower than its wall is thick");
+            return Err(ScenarioSpec::setting("doors").error_with(spec.doors, why));
+        }
         let kind = spec.door_kind.kind(stream.below(3));
         let first = stream.below(4);
         let candidates = (0..4).map(|turn| (first + turn) % 4).map(|corner| Door {
@@ -105,6 +109,17 @@ struct Around {
 }
 
 impl Around {
+    /// Whether walls are at the sides of a doorway's longer axis and not at its ends: then its width is not the longer
+    /// of its two lengths, and a leaf along it would be in the passage.
+    fn is_in_sides(&self, doorway: &Doorway) -> bool {
+        let (near, far, thickness) = doorway.shape.long_axis();
+        let across = 0.5 * thickness * (far - near).normalize_or(DVec2::X).perp();
+        let middle = 0.5 * (near + far);
+        let touches =
+            |p: DVec2| self.solids_near(doorway).any(|(solid, _)| solid.1.distance(p) < GAP);
+        touches(middle + across) && touches(middle - across) && !touches(near) && !touches(far)
+    }
+
     fn new(world: &World) -> Self {
         let bounds_of = |solid: Solid<'_>| (solid.shape.bounds(), solid.shape.into_owned());
         let solids: Vec<(Rect, Shape)> = world.solids().map(bounds_of).collect();
