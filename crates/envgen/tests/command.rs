@@ -293,7 +293,7 @@ fn indoor_maps_take_rooms_from_a_folder_and_go_to_the_world_generator() {
     let (code, error) = failure(&["generate", "hallway", "--out", new.to_str().unwrap()]);
     assert!(code == 1 && error.contains("plan of an indoor map"), "{error}");
     let (code, error) = failure(&["check", map, "--rooms", "no/such/folder"]);
-    assert!(code == 2 && error.contains("there is no folder `no/such/folder`"), "{error}");
+    assert!(code == 1 && error.contains("there is no folder `no/such/folder`"), "{error}");
     let nowhere = folder.path().join("nowhere/map.svg");
     let (code, error) = failure(&["generate", "indoor", "--out", nowhere.to_str().unwrap()]);
     assert!(code == 1 && error.contains("there is no folder `") && error.contains("nowhere"));

@@ -105,16 +105,22 @@ fn bad_arguments_end_with_2_and_bad_worlds_with_1() {
     };
     for options in [
         ["--panel", "bad.ron"],
-        ["--panel", "missing.ron"],
         ["--robot", "bad.ron"],
         ["--laser", "lidar"],
+        ["--laser", "bad.ron"],
+        ["--odometry", "bad.ron"],
         ["--driver", ""],
     ] {
         assert_eq!(code("room.ron", &options), Some(2), "{options:?}");
     }
     // An endless file does not fill the memory.
     #[cfg(target_os = "linux")]
-    assert_eq!(code("room.ron", &["--robot", "/dev/zero"]), Some(2));
+    assert_eq!(code("room.ron", &["--robot", "/dev/zero"]), Some(1));
+    for options in
+        [["--panel", "missing.ron"], ["--robot", "missing.ron"], ["--laser", "missing.ron"]]
+    {
+        assert_eq!(code("room.ron", &options), Some(1), "{options:?}");
+    }
     assert_eq!(code("room.zip", &[]), Some(2));
     assert_eq!(code("bad.ron", &[]), Some(1));
     assert_eq!(code("missing.ron", &[]), Some(1));

@@ -164,6 +164,6 @@ fn a_doorway_that_is_narrower_than_its_wall_is_thick_gets_no_door() {
     world.doorways[0].shape = thick(1.5, 2.5);
     let spec = ScenarioSpec { doors: 1.0, ..Default::default() };
     let error = Scenario::new(&world, &spec, Seed(1)).unwrap_err().to_string();
-    let expected = "`doors` must be 0: doorway 0 is narrower than its wall is thick, got 1";
+    let expected = "`doors` must be 0, got 1: doorway 0 is narrower than its wall is thick";
     assert_eq!(error, expected);
 }

@@ -284,7 +284,7 @@ mod tests {
             assert!(error(text).starts_with("`hazards` must be one of doors, people, smoke"));
         }
         let twice = error("doors=1+doors");
-        assert!(twice.ends_with("`doors` is set twice, got doors=1+doors"), "{twice}");
+        assert!(twice.ends_with("got doors=1+doors: `doors` is set twice"), "{twice}");
         assert!(error("doors+people=-1").starts_with("`people` must be a whole number from 0"));
     }
 
