@@ -152,6 +152,7 @@ fn rapier_may_be_there_already_and_may_run_elsewhere() {
 
 #[test]
 fn messages_of_rapier_are_cleared_once_per_frame_in_any_order_of_plugins() {
+    type Step<'a> = &'a dyn Fn(&mut App);
     let rapier = |app: &mut App| {
         app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
     };
@@ -161,7 +162,7 @@ fn messages_of_rapier_are_cleared_once_per_frame_in_any_order_of_plugins() {
     let top_down = |app: &mut App| {
         app.add_plugins(TopDownPhysicsPlugin::default());
     };
-    let orders: [&[&dyn Fn(&mut App)]; 5] =
+    let orders: [&[Step<'_>]; 5] =
         [&[&rapier, &ours], &[&ours, &rapier], &[&ours, &top_down], &[&top_down, &ours], &[&ours]];
     for (number, order) in orders.into_iter().enumerate() {
         let mut app = App::new();

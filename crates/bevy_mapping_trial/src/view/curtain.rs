@@ -44,16 +44,18 @@ impl Curtain<'_, '_> {
         let is_shown = from_above || in_3d;
         for &child in children {
             let Ok((part, &visibility, is_hidden)) = self.parts.get(child) else { continue };
+            let is_done = is_hidden && visibility == Visibility::Hidden;
             if is_shown && is_hidden {
                 self.commands.queue(move |world: &mut World| show(world, part));
-            } else if !is_shown && !(is_hidden && visibility == Visibility::Hidden) {
+            } else if !is_shown && !is_done {
                 self.commands.queue(move |world: &mut World| hide(world, part));
             }
             for below in self.below.iter_descendants(child) {
                 let Ok((mesh, layers, is_hidden)) = self.flat.get(below) else { continue };
+                let is_done = is_hidden && layers == Some(&RenderLayers::none());
                 if from_above && is_hidden {
                     self.commands.queue(move |world: &mut World| show_from_above(world, mesh));
-                } else if !from_above && !(is_hidden && layers == Some(&RenderLayers::none())) {
+                } else if !from_above && !is_done {
                     self.commands.queue(move |world: &mut World| hide_from_above(world, mesh));
                 }
             }

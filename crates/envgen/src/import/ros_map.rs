@@ -250,7 +250,7 @@ impl RosMap {
     /// bounds.
     ///
     /// The world's start is the point of greatest clearance in the largest free region, by
-    /// [`max_clearance_point`](crate::placement::max_clearance_point), heading along the map's rows. There is no start if no cell is free. Another start can be set in [`World::start`].
+    /// [`max_clearance_point`], heading along the map's rows. There is no start if no cell is free. Another start can be set in [`World::start`].
     pub fn to_world(&self, unknown: UnknownCells) -> World {
         let is_solid = |cell: &RosCell| match cell {
             RosCell::Occupied => true,
