@@ -131,19 +131,25 @@ pub fn named_or_read<T: Profile>(text: &str) -> Result<T, ProfileError> {
         .map_err(|error| ProfileError::File { path: path.to_owned(), error: Box::new(error) })
 }
 
-/// Writes a built-in profile as its name, and any other by its numbers.
-pub(crate) fn write<T: Profile, S: Serializer>(
-    profile: &T,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
+/// Writes a built-in profile as its name, and any other by its numbers, for
+/// `#[serde(with = "mapping_trial::profile")]`.
+///
+/// # Errors
+///
+/// If the serializer fails.
+pub fn serialize<T: Profile, S: Serializer>(profile: &T, serializer: S) -> Result<S::Ok, S::Error> {
     match profile.name() {
         Some(name) => serializer.serialize_str(name),
         None => profile.serialize(serializer),
     }
 }
 
-/// Reads what [`write`] writes.
-pub(crate) fn read<'de, T: Profile, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+/// Reads what [`serialize`] writes.
+///
+/// # Errors
+///
+/// If there is no profile with the name, or a field does not exist. Numbers are not checked.
+pub fn deserialize<'de, T: Profile, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     deserializer.deserialize_any(NameOrNumbers(PhantomData))
 }
 
@@ -173,9 +179,9 @@ mod tests {
 
     #[derive(Debug, PartialEq, Serialize, Deserialize)]
     struct Condition {
-        #[serde(serialize_with = "write", deserialize_with = "read")]
+        #[serde(with = "crate::profile")]
         laser: LaserProfile,
-        #[serde(serialize_with = "write", deserialize_with = "read")]
+        #[serde(with = "crate::profile")]
         odometry: OdometryProfile,
     }
 

@@ -13,7 +13,6 @@ use crate::driver::command;
 use crate::lidar::LaserProfile;
 use crate::odometry::OdometryProfile;
 use crate::policy::PolicyKind;
-use crate::profile;
 use crate::robot::Robot;
 use crate::slam::{SlamKind, WheelCalibration};
 use crate::trial::TrialSettings;
@@ -119,10 +118,10 @@ pub struct Condition {
     #[serde(skip_serializing_if = "WheelCalibration::is_default")]
     pub wheel_calibration: WheelCalibration,
     /// What the laser measures; in files the name of a built-in profile, or numbers.
-    #[serde(serialize_with = "profile::write", deserialize_with = "profile::read")]
+    #[serde(with = "crate::profile")]
     pub laser: LaserProfile,
     /// What the wheels measure; in files the name of a built-in profile, or numbers.
-    #[serde(serialize_with = "profile::write", deserialize_with = "profile::read")]
+    #[serde(with = "crate::profile")]
     pub odometry: OdometryProfile,
     /// The robot.
     pub robot: Robot,
