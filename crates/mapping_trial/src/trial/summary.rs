@@ -20,7 +20,7 @@ impl TrialReport {
             name(PartRole::Policy, settings.policy.as_ref().and_then(Named::name))
                 .unwrap_or("a person"),
             name(PartRole::Slam, settings.slam.name()).unwrap_or("custom"),
-            name(PartRole::Laser, settings.laser.name()).unwrap_or("custom"),
+            name(PartRole::Laser, settings.laser.name()).unwrap_or("a custom laser"),
             self.scores.free_area
         )
     }
