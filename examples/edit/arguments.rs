@@ -124,11 +124,15 @@ impl Arguments {
 
     fn set(&self, spec: &mut WorldSpec) -> Result<(), Box<dyn Error>> {
         let settings = assignments("--set", &self.settings, spec.kind().settings())?;
-        for Assignment { name, value, text } in settings {
+        for Assignment { name, value, text } in &settings {
             spec.set(name, value).in_option("--set", text)?;
             if let WorldSpec::Indoor(indoor) = spec {
                 indoor.fix(name);
             }
+        }
+        if let WorldSpec::Indoor(indoor) = spec {
+            let names: Vec<&str> = settings.iter().map(|setting| setting.name).collect();
+            indoor.check_given(&names)?;
         }
         Ok(())
     }

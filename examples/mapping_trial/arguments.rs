@@ -200,12 +200,8 @@ impl Arguments {
             let text = text_file::read(path).in_file(path)?;
             let scenario = Scenario::from_ron(&text).in_file(path)?;
             ScenarioState::new(world, &scenario).in_file(path)?;
-            if scenario.lacks_lists() {
-                eprintln!(
-                    "{}: nothing moves, since the lists `doors`, `people` and `smoke` are empty; `settings` alone \
-                     draw nothing",
-                    path.display()
-                );
+            if let Some(text) = scenario.note() {
+                eprintln!("{}: {text}", path.display());
             }
             return Ok(Some(scenario));
         }
@@ -252,8 +248,8 @@ impl Arguments {
             Some(spec) => Ok(spec.generate(self.seed).in_file(path)?.to_world()),
             None => {
                 let world = import::read_world(path).in_file(path)?;
-                if let Some(doubt) = import::ros_map::doubt(path) {
-                    eprintln!("warning: {}: {doubt}", path.display());
+                if let Some(text) = import::ros_map::unknown_cells_warning(path) {
+                    eprintln!("warning: {}: {text}", path.display());
                 }
                 Ok(world)
             }

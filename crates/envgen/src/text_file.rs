@@ -1,7 +1,7 @@
 //! Reading texts of a limited length.
 //!
 //! A file may be a device without an end, and some editors begin UTF-8 with a byte order mark, which parsers do not
-//! accept. All files that users write are therefore read here.
+//! accept. Texts that users write are therefore read here.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
@@ -35,7 +35,7 @@ pub fn read(path: &Path) -> io::Result<String> {
 /// When the input cannot be read, when it is not UTF-8, or when it is too long ([`ErrorKind::FileTooLarge`]).
 pub fn read_at_most(input: &mut dyn Read, limit: u64) -> io::Result<String> {
     let mut text = String::new();
-    let length = input.take(limit + 1).read_to_string(&mut text)?;
+    let length = input.take(limit.saturating_add(1)).read_to_string(&mut text)?;
     if length as u64 > limit {
         return Err(io::Error::new(ErrorKind::FileTooLarge, format!("longer than {limit} bytes")));
     }

@@ -16,7 +16,7 @@ pub enum MappingTrialError {
     Trial(#[from] TrialError),
     /// Bevy's fixed step, or the step of the schedule of trials, is not a tick.
     #[error(
-        "the fixed step is {found} s, but a trial needs {} s: use `TopDownPhysicsPlugin::for_trials`",
+        "time advances by {found} s per step, but a trial needs {} s: use `TopDownPhysicsPlugin::for_trials`",
         mapping_trial::backend::TICK
     )]
     FixedStep {

@@ -39,7 +39,7 @@ pub(super) struct Curtain<'w, 's> {
 
 impl Curtain<'_, '_> {
     /// Shows the parts of a world to all cameras, only to three-dimensional cameras, or to none. What an app
-    /// sets of a hidden part applies when the part is shown.
+    /// sets of a hidden part, except to hide it, applies when the part is shown.
     pub(super) fn set(&mut self, children: &Children, from_above: bool, in_3d: bool) {
         let is_shown = from_above || in_3d;
         for &child in children {

@@ -194,7 +194,7 @@ fn a_trial_fails_where_a_step_is_no_tick_until_that_is_corrected() {
 
 #[test]
 fn a_trial_fails_in_a_schedule_whose_step_is_no_tick() {
-    for (frame, outcome) in [(0.1, "the fixed step is 0.1 s"), (0.05, "started")] {
+    for (frame, outcome) in [(0.1, "time advances by 0.1 s per step"), (0.05, "started")] {
         let mut app = App::new();
         app.add_plugins((MinimalPlugins, TransformPlugin));
         app.insert_resource(Time::<Fixed>::from_seconds(0.05))

@@ -171,7 +171,7 @@ fn what_cannot_be_is_reported() {
         app.world().resource::<Told>().0.join("; ")
     };
     let text = reported(64.0, short(9.0));
-    assert!(text.starts_with("the fixed step is 0.015625 s"), "{text}");
+    assert!(text.starts_with("time advances by 0.015625 s per step"), "{text}");
     let text = reported(20.0, TrialSettings { robots: 0, ..short(9.0) });
     assert_eq!(text, "`robots` must be a whole number from 1 to 8, got 0");
     let error = run_headless(&hallway(), short(f64::NAN), |_| ()).err().unwrap().to_string();

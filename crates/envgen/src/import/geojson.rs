@@ -60,7 +60,7 @@ const LEAST_EXTENT: f64 = 0.1;
 /// of greatest clearance becomes the start.
 ///
 /// # Errors
-/// When the text is not GeoJSON, when a property has a value that is not allowed, or when the world breaks an
+/// When a file of another program has no part, or seems to be in degrees; when the text is not GeoJSON, when a property has a value that is not allowed, or when the world breaks an
 /// invariant.
 pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
     let text = read_text(input)?;
@@ -110,7 +110,7 @@ pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
         _ => Err(PlanError::value("bbox", format!("{} numbers", bbox.len()), "4 or 6 numbers")),
     });
     let bbox = bbox.transpose()?;
-    if !foreign.contains_key("provenance") && bbox.is_none() {
+    if !foreign.contains_key("provenance") {
         check_extent(&world)?;
     }
     world.bounds = bounds_of(&world, bbox);
@@ -134,7 +134,7 @@ fn check_extent(world: &World) -> Result<(), PlanError> {
     let allowed = format!(
         "in metres, over {LEAST_EXTENT} m at least: project longitudes and latitudes first"
     );
-    Err(PlanError::value("coordinates", format!("all within {size} m"), &allowed))
+    Err(PlanError::value("coordinates", format!("all within {size:.6} m"), &allowed))
 }
 
 /// Returns a rectangle around everything.

@@ -28,7 +28,7 @@ const MAX_PERCENT: f64 = 100.0;
 /// The grey of unknown cells in maps that ROS and Nav2 save.
 const SAVED_UNKNOWN: f64 = 205.0;
 
-/// The share of pixels from which on [`doubt`] finds that unknown cells are free.
+/// The least share of pixels for [`unknown_cells_warning`].
 const SUSPECT_SHARE: f64 = 0.01;
 
 /// The reasons why a map could not be read.
@@ -369,6 +369,11 @@ impl RosMap {
 
 /// Returns the image that the description of a map names; `None` if the file is not a description.
 pub(super) fn image_of(path: &Path) -> Option<PathBuf> {
+    Some(description_at(path)?.image_path(path))
+}
+
+/// Returns the description of a map that a file holds; `None` if the file is not a description.
+fn description_at(path: &Path) -> Option<RosDescription> {
     let is_yaml = |ending: &std::ffi::OsStr| {
         ending.eq_ignore_ascii_case("yaml") || ending.eq_ignore_ascii_case("yml")
     };
@@ -380,18 +385,16 @@ pub(super) fn image_of(path: &Path) -> Option<PathBuf> {
         return None;
     }
     let text = file::read_text(&mut File::open(path).ok()?).ok()?;
-    Some(RosDescription::from_yaml(&text).ok()?.image_path(path))
+    RosDescription::from_yaml(&text).ok()
 }
 
-/// Returns why a ROS map may not be what its writer meant; `None` if nothing is found, and for other files.
+/// Returns a warning about a ROS map whose unknown cells seem to be free; `None` for other maps and other files.
 ///
 /// Savers of Nav2 write the grey 205 for unknown cells, and by default the threshold 0.25 for free ones, which makes
 /// unknown cells free.
-pub fn doubt(path: &Path) -> Option<String> {
-    let image = image_of(path)?;
-    let text = file::read_text(&mut File::open(path).ok()?).ok()?;
-    let description = RosDescription::from_yaml(&text).ok()?;
-    let bytes = file::read_bytes(&mut File::open(image).ok()?).ok()?;
+pub fn unknown_cells_warning(path: &Path) -> Option<String> {
+    let description = description_at(path)?;
+    let bytes = file::read_bytes(&mut File::open(description.image_path(path)).ok()?).ok()?;
     let is_suspect = |shade: Shade| {
         (255.0 * shade.colour).round() == SAVED_UNKNOWN && description.cell(&shade) == RosCell::Free
     };

@@ -108,19 +108,23 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// Returns whether nothing moves although the settings ask for something, as in a file whose lists were left out:
-    /// settings alone draw nothing.
+    /// Returns a note for the user if nothing moves although the settings ask for something, as in a file whose lists
+    /// were left out.
     ///
     /// ```
     /// use envgen::scenario::Scenario;
     ///
-    /// assert!(Scenario::from_ron("(settings: (people: 4))")?.lacks_lists());
-    /// assert!(!Scenario::default().lacks_lists());
+    /// let scenario = Scenario::from_ron("(settings: (people: 4))")?;
+    /// assert!(scenario.note().is_some_and(|note| note.starts_with("nothing moves")));
+    /// assert_eq!(Scenario::default().note(), None);
     /// # Ok::<(), envgen::scenario::ScenarioFileError>(())
     /// ```
-    pub fn lacks_lists(&self) -> bool {
+    pub fn note(&self) -> Option<&'static str> {
         let Scenario { settings, doors, people, smoke, .. } = self;
-        !settings.is_still() && doors.is_empty() && people.is_empty() && smoke.is_empty()
+        let is_empty = doors.is_empty() && people.is_empty() && smoke.is_empty();
+        (is_empty && !settings.is_still()).then_some(
+            "nothing moves, since the lists `doors`, `people` and `smoke` are empty; `settings` alone draw nothing",
+        )
     }
 
     /// Checks the doors, the smoke and the number of people against a world.

@@ -285,6 +285,19 @@ fn a_start_that_is_looked_for_is_within_the_bounds() {
 }
 
 #[test]
+fn geojson_of_others_has_parts_in_metres() {
+    let error = |text: &str| read_geojson(&mut text.as_bytes()).unwrap_err().to_string();
+    let nothing = r#"{"type": "FeatureCollection", "features": [], "bbox": [0, 0, 9, 9]}"#;
+    assert!(error(nothing).starts_with("`features` must be one or more"), "{}", error(nothing));
+    let degrees = "[[[8.5, 47.3], [8.5003, 47.3], [8.5003, 47.3002], [8.5, 47.3]]]";
+    let degrees = error(&format!(r#"{{"type": "Polygon", "coordinates": {degrees}}}"#));
+    assert!(degrees.contains("got all within 0.000300 m: project longitudes"), "{degrees}");
+    // An empty world of our own is one.
+    let empty = World::new(Provenance::other("test", serde_json::Value::Null), small().bounds);
+    assert!(read_geojson(&mut written(&empty, "empty.geojson").as_bytes()).is_ok());
+}
+
+#[test]
 fn what_is_wrong_with_geojson_is_named() {
     let text = written(&small(), "a.geojson");
     for (from, to, what) in [

@@ -167,7 +167,7 @@ fn a_log_with_foreign_parts_replays_its_commands_and_names_them() {
     let mut again =
         log.replay_with(&world, |builder| builder.slam(slam).build_flat()).expect("its own world");
     log.run_through(&mut again).expect("the log's commands");
-    assert!(again.replaced.is_empty());
+    assert!(again.replaced().is_empty());
     assert_eq!(again.autonomy().slam().trajectory(0), trial.autonomy().slam().trajectory(0));
     let mut other = log.clone();
     other.engine = "wheels on desks".to_owned();

@@ -111,7 +111,7 @@ impl<B: RobotBackend> Trial<B> {
         };
         let estimated = self.estimated_tracks()?;
         let scores = self.score_of(truth, &estimated)?;
-        let plugged_in = self.foreign().iter().filter(|part| !self.replaced.contains(part));
+        let plugged_in = self.foreign().iter().filter(|part| !self.replaced().contains(part));
         let foreign: Vec<ForeignPart> = plugged_in.cloned().collect();
         let mut report = TrialReport {
             version: REPORT_VERSION,
@@ -122,7 +122,7 @@ impl<B: RobotBackend> Trial<B> {
             robots: (0..self.robots()).map(robot).collect(),
             scenario: self.scenario().cloned(),
             foreign,
-            replaced: self.replaced.clone(),
+            replaced: self.replaced().to_vec(),
             failure: self.failure().map(str::to_owned),
             scores,
             feedback: None,

@@ -318,9 +318,15 @@ impl<B: RobotBackend> Trial<B> {
     }
 
     /// Returns the parts that were plugged in, in place of those that the settings name. For a replay
-    /// these are the parts of the log, even if they were not plugged in again.
+    /// these are the parts of the log, even if they were [not plugged in again](Trial::replaced).
     pub fn foreign(&self) -> &[ForeignPart] {
         &self.foreign
+    }
+
+    /// Returns the parts of a replayed log that were not plugged in again. The built-in parts that the
+    /// settings name are in their place.
+    pub fn replaced(&self) -> &[ForeignPart] {
+        &self.replaced
     }
 
     /// Returns why the policy failed; `None` while it works.

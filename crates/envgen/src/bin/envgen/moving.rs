@@ -65,11 +65,8 @@ impl Moving {
 pub(crate) fn read_scenario(path: &Path, world: &World) -> Result<Scenario, Failure> {
     let scenario = Scenario::from_ron(&text_file::read(path).in_file(path)?).in_file(path)?;
     ScenarioState::new(world, &scenario).in_file(path)?;
-    if scenario.lacks_lists() {
-        note(&format!(
-            "{}: nothing moves, since the lists `doors`, `people` and `smoke` are empty; `settings` alone draw nothing",
-            path.display()
-        ));
+    if let Some(text) = scenario.note() {
+        note(&format!("{}: {text}", path.display()));
     }
     Ok(scenario)
 }

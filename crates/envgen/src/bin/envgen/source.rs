@@ -206,8 +206,8 @@ impl WorldFile {
                 return Err(Failure::Usage(text));
             }
             let world = reader(&mut open(path)?, path).in_file(path)?;
-            if let Some(doubt) = import::ros_map::doubt(path) {
-                note(&format!("{}: {doubt}", path.display()));
+            if let Some(text) = import::ros_map::unknown_cells_warning(path) {
+                note(&format!("{}: {text}", path.display()));
             }
             return Ok(world);
         }

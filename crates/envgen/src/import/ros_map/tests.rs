@@ -291,3 +291,23 @@ fn every_name_of_an_image_comes_back() {
         assert!(yaml.is_ascii(), "{name:?}");
     }
 }
+
+#[test]
+fn unknown_cells_that_are_free_give_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("map.pgm"), b"P5 4 1 255 \x00\xcd\xcd\xfe").unwrap();
+    let path = folder.path().join("map.yaml");
+    let warning = |free: f64| {
+        let text = format!(
+            "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n\
+             free_thresh: {free}\n"
+        );
+        std::fs::write(&path, text).unwrap();
+        unknown_cells_warning(&path)
+    };
+    assert_eq!(warning(0.196), None);
+    let text = warning(0.25).unwrap();
+    assert!(text.starts_with("50 % of the pixels have the grey 205"), "{text}");
+    assert!(text.contains("`free_thresh: 0.25` makes them free"), "{text}");
+    assert_eq!(unknown_cells_warning(&folder.path().join("map.pgm")), None);
+}

@@ -46,9 +46,9 @@ pub(crate) fn place_doors(
         if !stream.chance(spec.doors) {
             continue;
         }
-        if around.is_in_sides(doorway) {
-            let why = format!("0: doorway {i} is narrower than its wall is thick");
-            return Err(ScenarioSpec::setting("doors").error_with(spec.doors, why));
+        // A leaf along its longer axis would stand in the passage.
+        if around.is_narrower_than_its_wall(doorway) {
+            continue;
         }
         let kind = spec.door_kind.kind(stream.below(3));
         let first = stream.below(4);
@@ -109,9 +109,9 @@ struct Around {
 }
 
 impl Around {
-    /// Whether walls are at the sides of a doorway's longer axis and not at its ends: then its width is not the longer
-    /// of its two lengths, and a leaf along it would be in the passage.
-    fn is_in_sides(&self, doorway: &Doorway) -> bool {
+    /// Whether walls are at the sides of a doorway's longer axis and not at its ends, so that its width is the shorter
+    /// of its two lengths.
+    fn is_narrower_than_its_wall(&self, doorway: &Doorway) -> bool {
         let (near, far, thickness) = doorway.shape.long_axis();
         let across = 0.5 * thickness * (far - near).normalize_or(DVec2::X).perp();
         let middle = 0.5 * (near + far);

@@ -61,7 +61,7 @@ impl Arguments {
         for name in &names {
             spec.fix(name);
         }
-        spec.check_given(&names)?;
+        spec.check_given(&names).in_option("--set", "difficulty")?;
         let is_given = names.contains(&"robot_radius");
         if !is_given {
             spec.robot_radius = robot_radius(panel);

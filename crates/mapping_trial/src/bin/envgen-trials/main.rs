@@ -1,7 +1,7 @@
 //! The command `envgen-trials`, which measures how difficult worlds are, generates worlds of a measured
 //! difficulty, and scores maps from elsewhere.
 //!
-//! Exit codes: 0 success, 1 failure, 2 invalid arguments.
+//! Exit codes: 0 success, 1 failure, 2 invalid arguments or invalid content of a robot, profile or panel.
 
 mod anchors;
 mod atlas;

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use envgen::import::ros_map::doubt;
+use envgen::import::ros_map::unknown_cells_warning;
 use mapping_trial::difficulty::Measurement;
 
 /// Least mean coverage of trials for no warning.
@@ -21,8 +21,8 @@ pub(crate) fn print(line: &str) {
 
 /// Warns about a ROS map whose unknown cells seem to be free.
 pub(crate) fn warn_of_map(path: &Path) {
-    if let Some(doubt) = doubt(path) {
-        warn(&format!("{}: {doubt}", path.display()));
+    if let Some(text) = unknown_cells_warning(path) {
+        warn(&format!("{}: {text}", path.display()));
     }
 }
 
