@@ -176,7 +176,7 @@ fn a_trial_fails_where_a_step_is_no_tick_until_that_is_corrected() {
         app.insert_resource(TimestepMode::Fixed { dt: step as f32, substeps: 4 });
     };
     type Change<'a> = (&'a dyn Fn(&mut App, f64), &'a str);
-    let changes: [Change<'_>; 2] = [(&fixed, "fixed step"), (&rapier, "rapier's step")];
+    let changes: [Change<'_>; 2] = [(&fixed, "time advances by"), (&rapier, "rapier's step")];
     for (set, name) in changes {
         let mut app = app(20.0);
         let root = running(&mut app, short(60.0));
