@@ -73,8 +73,8 @@ pub struct ForestMetrics {
     /// `1 / (2 lambda (E[r] + rho))`, where rho is the robot's radius.
     pub free_path_predicted: Option<f64>,
     /// The reduced density lambda pi E[(r + rho)^2]: above [`PERCOLATION_THRESHOLD`], a wide and even forest of equal
-    /// trunks cannot be crossed. It uses the spec's own intensity, whatever the density map is, and means over the trees if the
-    /// distribution of radii is not the spec's.
+    /// trunks cannot be crossed. It uses the spec's own intensity, whatever the density map is, and means over the
+    /// trees if the distribution of radii is not the spec's.
     pub reduced_density: f64,
     /// Whether a wide forest of this reduced density is predicted to be crossable. Absent above the threshold if radii
     /// differ: then discs percolate at a higher density, which is not known in general.

@@ -60,8 +60,8 @@ const LEAST_EXTENT: f64 = 0.1;
 /// of greatest clearance becomes the start.
 ///
 /// # Errors
-/// When a file of another program has no part, or seems to be in degrees; when the text is not GeoJSON, when a property has a value that is not allowed, or when the world breaks an
-/// invariant.
+/// When the text is not GeoJSON, when a property has a value that is not allowed, when a file of another program has
+/// no part or seems to be in degrees, or when the world breaks an invariant.
 pub fn read_geojson(input: &mut dyn Read) -> Result<World, PlanError> {
     let text = read_text(input)?;
     let wrong = |error: geojson::Error| PlanError::syntax(FORMAT, error.to_string());

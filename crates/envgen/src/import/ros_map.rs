@@ -249,8 +249,9 @@ impl RosMap {
     /// unknown, too: where the border of the map is open, obstacles one cell wide close it, within the world's
     /// bounds.
     ///
-    /// The world's start is the point of greatest clearance in the largest free region, by
-    /// [`max_clearance_point`], heading along the map's rows. There is no start if no cell is free. Another start can be set in [`World::start`].
+    /// The world's start is the point of greatest clearance in the largest free region, by [`max_clearance_point`],
+    /// heading along the map's rows. There is no start if no cell is free. Another start can be set in
+    /// [`World::start`].
     pub fn to_world(&self, unknown: UnknownCells) -> World {
         let is_solid = |cell: &RosCell| match cell {
             RosCell::Occupied => true,

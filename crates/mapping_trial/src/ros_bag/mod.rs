@@ -3,7 +3,7 @@
 //!
 //! | topic | type | when |
 //! |---|---|---|
-//! | `/scan` | `sensor_msgs/msg/LaserScan` | each scan; no echo is +Inf, an echo nearer than `range_min` -Inf (REP 117), a beam to be ignored NaN |
+//! | `/scan` | `sensor_msgs/msg/LaserScan` | each scan; by REP 117, with NaN for beams to be ignored |
 //! | `/odom` | `nav_msgs/msg/Odometry` | every 0.2 s and at each scan: what the wheels measured |
 //! | `/tf` | `tf2_msgs/msg/TFMessage` | with `/odom`: `odom` to `base_link` |
 //! | `/tf_static` | `tf2_msgs/msg/TFMessage` | once, latched: `base_link` to `laser` |

@@ -23,8 +23,9 @@ pub(super) const ROOMY: f64 = 0.4;
 const SPACINGS: [f64; 2] = [1.2, 2.0 * PERSON_RADIUS + 0.1];
 
 /// Returns the centres of cells at which people can be, at most `most`, in random order and at a distance from each
-/// other. Every room is as likely as every other, and as the rest of the world, until it is full. The first places are the same for
-/// every `most` for which they are enough. Places near `start` are left out if there are enough others.
+/// other. Every room is as likely as every other, and as the rest of the world, until it is full. The first places
+/// are the same for every `most` for which they are enough. Places near `start` are left out if there are enough
+/// others.
 pub(crate) fn find_places(
     space: &FreeSpace,
     world: &World,
