@@ -23,21 +23,19 @@
 //! difficulty_proof --maps 32 --merge out/part1 out/part2 --out out/all
 //! ```
 
+#[path = "../crates/mapping_trial/src/bin/envgen-trials/progress.rs"]
+mod progress;
 #[path = "../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
 
 use std::error::Error;
-use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Mutex;
-use std::time::Duration;
 
 use clap::Parser;
 use envgen::Seed;
 use envgen::whole_file;
-use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::difficulty::proof::{
     Analysis, Dial, Part, ProofDesign, analyse, figure, merge, page, run,
 };
@@ -45,6 +43,7 @@ use mapping_trial::difficulty::reference_scale;
 use mapping_trial::experiment::Shard;
 use mapping_trial::names::Named;
 
+use crate::progress::Progress;
 use crate::spinner::spinner;
 
 /// Are maps as difficult as requested? Maps of fixed sizes are generated for requests over all that their size
@@ -155,18 +154,9 @@ fn main() -> ExitCode {
 fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let design = arguments.design()?;
     let (threads, shard) = (usize::from(arguments.threads), arguments.shard);
-    let bar = progress();
-    let stage = Mutex::new(String::new());
-    let watch = |name: &str, done: u64, all: u64| {
-        if let Ok(mut stage) = stage.lock()
-            && *stage != name
-        {
-            name.clone_into(&mut stage);
-            bar.set_message(name.to_owned());
-            bar.set_length(all);
-            bar.reset_eta();
-        }
-        bar.set_position(done);
+    let bar = Progress::new();
+    let watch = |stage: &str, done: u64, all: u64| {
+        bar.set(stage, done, all);
         ControlFlow::Continue(())
     };
     let mut results = Vec::new();
@@ -178,7 +168,7 @@ fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             results.push((part, found));
         }
     }
-    bar.finish_and_clear();
+    bar.finish();
     if shard != Shard::WHOLE {
         println!("share {shard} is finished: {}", arguments.out.display());
         return Ok(());
@@ -202,18 +192,6 @@ fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     analysing.finish_and_clear();
     print(&analysis);
     Ok(())
-}
-
-fn progress() -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(0);
-    bar.enable_steady_tick(Duration::from_millis(500));
-    match ProgressStyle::with_template("{msg} {bar:40} {pos}/{len}, {per_sec}, {eta} left") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }
 
 #[expect(clippy::print_stdout, reason = "what an example is for")]

@@ -29,12 +29,13 @@
 //! thesis_experiment --shard $((JOB_COMPLETION_INDEX + 1))/100 --out /parts/$JOB_COMPLETION_INDEX
 //! ```
 
+#[path = "../crates/mapping_trial/src/bin/envgen-trials/progress.rs"]
+mod progress;
 #[path = "../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
 #[path = "shared/trial_arguments.rs"]
 mod trial_arguments;
 
-use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -42,13 +43,13 @@ use std::process::ExitCode;
 use clap::Parser;
 use envgen::Seed;
 use envgen::indoor::Profile;
-use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::experiment::hazards::{self, Hazard};
 use mapping_trial::experiment::stats::Interval;
 use mapping_trial::experiment::survey::SurveyFolder;
 use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, report};
 use mapping_trial::policy::PolicyKind;
 
+use crate::progress::Progress;
 use crate::spinner::spinner;
 use crate::trial_arguments::{TrialArguments, named};
 
@@ -170,12 +171,13 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let begin = if arguments.fresh { Experiment::fresh } else { Experiment::open };
     let mut experiment = begin(&arguments.out, &design, shard)?;
     announce(&experiment);
-    let bar = bar(experiment.trials() as u64, experiment.records().len() as u64);
+    let bar = Progress::new();
+    bar.set("trials", experiment.records().len() as u64, experiment.trials() as u64);
     let result = experiment.run(threads, &|progress| {
-        bar.set_position(progress.done as u64);
+        bar.set("trials", progress.done as u64, progress.all as u64);
         ControlFlow::Continue(())
     });
-    bar.finish_and_clear();
+    bar.finish();
     result?;
     if shard == Shard::WHOLE {
         return write_report(&experiment, threads);
@@ -196,12 +198,13 @@ fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     let hazards = &arguments.hazards;
     let survey = hazards::survey(design, hazards)?;
     let mut folder = SurveyFolder::open(&arguments.out, &survey, arguments.shard)?;
-    let bar = bar(folder.trials(), folder.records().len() as u64);
+    let bar = Progress::new();
+    bar.set("trials", folder.records().len() as u64, folder.trials());
     let result = folder.run(usize::from(arguments.threads), &|progress| {
-        bar.set_position(progress.done);
+        bar.set("trials", progress.done, progress.all);
         ControlFlow::Continue(())
     });
-    bar.finish_and_clear();
+    bar.finish();
     result?;
     if arguments.shard != Shard::WHOLE {
         say_finished(arguments.shard, &arguments.out);
@@ -283,21 +286,6 @@ fn announce(experiment: &Experiment) {
     );
     if done > 0 {
         println!("{done} of them were finished before, in {}", experiment.folder().display());
-    }
-}
-
-/// A progress bar with the remaining time on stderr. It is hidden if stderr is not a terminal.
-fn bar(trials: u64, finished: u64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(trials);
-    bar.set_position(finished);
-    bar.reset_eta();
-    bar.enable_steady_tick(std::time::Duration::from_millis(500));
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {per_sec}, {eta} left") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
     }
 }
 

@@ -126,13 +126,10 @@ impl Arguments {
         let settings = assignments("--set", &self.settings, spec.kind().settings())?;
         for Assignment { name, value, text } in &settings {
             spec.set(name, value).in_option("--set", text)?;
-            if let WorldSpec::Indoor(indoor) = spec {
-                indoor.fix(name);
-            }
         }
         if let WorldSpec::Indoor(indoor) = spec {
             let names: Vec<&str> = settings.iter().map(|setting| setting.name).collect();
-            indoor.check_given(&names)?;
+            indoor.fix_given(&names)?;
         }
         Ok(())
     }

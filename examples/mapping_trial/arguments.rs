@@ -31,7 +31,8 @@ const MAX_SIZE: i64 = 192;
 #[command(allow_negative_numbers = true)]
 #[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct Arguments {
-    /// Difficulty of the indoor map, from 0 to 10.
+    /// Difficulty of the indoor map for the rules of Zwennes (2011), from 0 to 10. It is not what trials measure: `envgen
+    /// generate indoor --set profile=calibrated` writes maps of a measured difficulty, for `--world`.
     #[arg(long, default_value_t = 5.0, conflicts_with_all = ["world", "map", "replay"])]
     difficulty: f64,
 

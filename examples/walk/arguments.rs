@@ -48,12 +48,16 @@ impl Arguments {
             Some(mut spec) => {
                 let kind = spec.kind();
                 let tables = [kind.settings(), ScenarioSpec::SETTINGS];
+                let names: Vec<&str> = own.iter().map(|setting| setting.name).collect();
                 for Assignment { name, value, text } in own {
                     let known = kind.setting(name);
                     known
                         .map_err(|_| SettingsError::unknown_setting(kind, name, &tables))
                         .in_option("--set", text)?;
                     spec.set(name, value).in_option("--set", text)?;
+                }
+                if let WorldSpec::Indoor(indoor) = &mut spec {
+                    indoor.fix_given(&names)?;
                 }
                 spec.generate(self.seed)?.to_world()
             }

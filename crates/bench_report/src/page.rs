@@ -48,8 +48,9 @@ pub(crate) fn page(machine: &Machine, sections: &[Section], all: usize) -> Strin
          or a peer that was measured in the same run, so that it means the same on other machines: the best of several \
          alternating rounds of each side, or the sum where each round is another task. The spread is the ratio in single \
          rounds, without the lowest and the highest quarter of them; sides that were measured apart have no spread. \
-         The load is the mean number of processes that ran in the minute before: where it is more than there are cores, \
-         spreads are wide, and a ratio can be outside of its spread.\n",
+         Since the best rounds of the two sides are rarely the same round, a ratio can be outside of its spread. The load \
+         is the mean number of processes that ran in the minute before: where it is more than there are cores, spreads \
+         are wide.\n",
         sections.len()
     );
     page += "\n| benchmark | date | load | time | bounds met |\n|---|---|---|---|---|\n";

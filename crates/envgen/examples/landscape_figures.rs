@@ -108,7 +108,8 @@ fn figure_1(out: &Path, report: &mut String) -> Result {
 fn figure_2(out: &Path, report: &mut String) -> Result {
     report.push_str(
         "\n## Figure 2: the automaton's TED by epsilon, 152 classes\n\n\
-         Means of 50 maps; in brackets the paper's formula with its table 1.\n\n\
+         Means of 50 maps; in brackets the paper's formula with its table 1. Smax is the largest entropy, \
+         the logarithm of the number of classes.\n\n\
          | epsilon | S/Smax 0.2 | 0.4 | 0.6 | 0.8 | 1.0 |\n|---|---|---|---|---|---|\n",
     );
     let epsilons = [0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
@@ -182,8 +183,8 @@ fn figure_3(out: &Path, report: &mut String) -> Result {
 fn figure_4(out: &Path, report: &mut String) -> Result {
     report.push_str(
         "\n## Figure 4: TED of random filling by entropy\n\n\
-         Exact means; in brackets means of 50 maps, then the paper's fit with \"- a1/2\", where \
-         it has a value: it is singular at 10.96 classes and good from 20 on.\n\n\
+         Exact means for l classes; in brackets means of 50 maps, then the paper's fit a1 s(b1 S / ln l) - a1 / 2, \
+         where it has a value: it is singular at 10.96 classes and good from 20 on.\n\n\
          | S/Smax | l = 3 | 6 | 12 | 25 | 50 | 150 |\n|---|---|---|---|---|---|---|\n",
     );
     let classes = [3_u32, 6, 12, 25, 50, 150];

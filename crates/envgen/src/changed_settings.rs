@@ -28,9 +28,9 @@ impl Provenance {
     }
 }
 
-/// Rounds a number to four significant digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
+/// Rounds a number to significant digits, at least one.
+pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
 /// Returns a value as text; `None` for a value that has several parts.
@@ -39,7 +39,7 @@ fn plain(value: &Value) -> Option<String> {
         Value::Bool(true) => Some("on".to_owned()),
         Value::Bool(false) => Some("off".to_owned()),
         Value::Number(number) => Some(match number.as_f64() {
-            Some(value) if number.is_f64() => rounded(value).to_string(),
+            Some(value) if number.is_f64() => rounded(value, 4).to_string(),
             _ => number.to_string(),
         }),
         Value::String(text) => Some(text.replace('_', " ")),

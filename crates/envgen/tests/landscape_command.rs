@@ -166,5 +166,5 @@ fn a_total_edge_that_does_not_exist_is_said_so() {
         std::process::Command::new(env!("CARGO_BIN_EXE_envgen")).args(arguments).output().unwrap();
     assert!(output.status.success());
     let text = String::from_utf8(output.stderr).unwrap();
-    assert!(text.contains("the nearest is"), "{text}");
+    assert!(text.contains("the nearest that was found is"), "{text}");
 }

@@ -17,7 +17,9 @@
 //! survey my.survey.ron --merge out/part1 out/part2 --out out/all
 //! ```
 
-use std::io::IsTerminal;
+#[path = "../src/bin/envgen-trials/progress.rs"]
+mod progress;
+
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -25,11 +27,12 @@ use std::process::ExitCode;
 use clap::Parser;
 use envgen::text_file;
 use envgen::whole_file;
-use indicatif::{ProgressBar, ProgressStyle};
 use mapping_trial::experiment::stats::Interval;
 use mapping_trial::experiment::survey::summary::{Means, Summary, summarise};
 use mapping_trial::experiment::survey::{Survey, SurveyFolder};
 use mapping_trial::experiment::{ExperimentError, Shard};
+
+use crate::progress::Progress;
 
 /// Runs trials under several conditions in many worlds, and prints how they ended and which part of
 /// each score's variance belongs to the worlds.
@@ -78,12 +81,13 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     let folder = if arguments.merge.is_empty() {
         let mut folder = SurveyFolder::open(&arguments.out, &survey, arguments.shard)?;
         println!("{} trials, {} finished before", folder.trials(), folder.records().len());
-        let bar = progress(folder.trials(), folder.records().len() as u64);
+        let bar = Progress::new();
+        bar.set("trials", folder.records().len() as u64, folder.trials());
         let result = folder.run(usize::from(arguments.threads), &|progress| {
-            bar.set_position(progress.done);
+            bar.set("trials", progress.done, progress.all);
             ControlFlow::Continue(())
         });
-        bar.finish_and_clear();
+        bar.finish();
         result?;
         folder
     } else {
@@ -117,20 +121,6 @@ fn read(path: &Path) -> Result<Survey, ExperimentError> {
 fn write(path: &Path, text: &[u8]) -> Result<(), ExperimentError> {
     whole_file::write(path, text)
         .map_err(|error| ExperimentError::File { path: path.to_owned(), source: error.error })
-}
-
-fn progress(trials: u64, finished: u64) -> ProgressBar {
-    if !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(trials);
-    bar.set_position(finished);
-    bar.reset_eta();
-    bar.enable_steady_tick(std::time::Duration::from_millis(500));
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} trials, {per_sec}, {eta} left") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
-    }
 }
 
 #[expect(clippy::print_stdout, reason = "what an example is for")]

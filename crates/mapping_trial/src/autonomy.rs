@@ -106,7 +106,7 @@ impl Autonomy {
     /// Without a policy the robot stops.
     pub fn decide(&mut self, robot: usize, seen: &Observation) -> Decision {
         if let Some(policy) = &mut self.policy
-            && (self.ticks[robot] + 1).is_multiple_of(policy.ticks_per_decision().max(1))
+            && is_due(self.ticks[robot], policy.ticks_per_decision())
         {
             self.decisions[robot] = policy.decide(&PolicyInput {
                 robot,
@@ -142,5 +142,26 @@ impl Autonomy {
     /// Returns the number of observations of a robot so far.
     pub fn steps(&self, robot: usize) -> u64 {
         self.ticks[robot]
+    }
+}
+
+/// Whether a policy is asked in a tick, counted from 1: in the first, and then every `interval` ticks.
+fn is_due(tick: u64, interval: u64) -> bool {
+    let interval = interval.max(1);
+    tick % interval == 1 % interval
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_due;
+
+    #[test]
+    fn the_first_decision_is_in_the_first_tick() {
+        for (interval, expected) in
+            [(0, [1, 2, 3]), (1, [1, 2, 3]), (2, [1, 3, 5]), (20, [1, 21, 41])]
+        {
+            let asked = (1..).filter(|&tick| is_due(tick, interval)).take(3);
+            assert!(asked.eq(expected), "every {interval} ticks");
+        }
     }
 }

@@ -1,5 +1,5 @@
 //! Mapping trials: a simulated robot maps a world that it does not know, and its map is scored against
-//! what it could have mapped. Difficulty is measured by such trials, not requested.
+//! what it could have mapped. Such trials measure how difficult a world is.
 //!
 //! ```
 //! use envgen::{Blueprint, Seed, Spec, hallway::HallwaySpec};
@@ -35,6 +35,7 @@
 //! | Ratings by human operators | [`feedback`] |
 //! | Many trials at once, and their statistics | `experiment` |
 //! | The difficulty of a world, measured by trials | `difficulty` |
+//! | Names and files on command lines and in surveys | [`names`], [`profile`] |
 //!
 //! # Guarantees
 //!

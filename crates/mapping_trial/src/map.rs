@@ -125,11 +125,26 @@ impl OccupancyMap {
         OccupancyMap::default()
     }
 
-    /// Creates an unknown map that replaces another one, so that its changes are later than those of
-    /// the other.
-    #[cfg(feature = "driver")]
-    pub(crate) fn after(before: &OccupancyMap) -> Self {
-        OccupancyMap { revision: before.revision + 1, ..OccupancyMap::default() }
+    /// Replaces all cells by those of another map, such as one that another program has drawn. The revision
+    /// rises, and all that is derived from the map is updated.
+    ///
+    /// ```
+    /// use mapping_trial::map::{CellIndex, MISS, OccupancyMap};
+    ///
+    /// let (mut map, mut other) = (OccupancyMap::new(), OccupancyMap::new());
+    /// other.add(CellIndex { col: 0, row: 0 }, -MISS);
+    /// for _time in 0..2 {
+    ///     let before = map.revision();
+    ///     map.replace(other.clone());
+    ///     assert_eq!(map.changed_since(before).collect::<Vec<_>>(), [(0, 0)]);
+    /// }
+    /// ```
+    pub fn replace(&mut self, other: OccupancyMap) {
+        let revision = self.revision + 1;
+        *self = OccupancyMap { revision, ..other };
+        for tile in &mut self.tiles {
+            tile.revision = revision;
+        }
     }
 
     /// Returns the revision of the map, which rises with every change that [`OccupancyMap::touch`]
@@ -319,7 +334,9 @@ fn place(index: CellIndex) -> usize {
 pub struct Estimate {
     /// The estimated pose.
     pub pose: Pose,
-    /// Standard deviation of the position in metres, as the estimator sees it.
+    /// Standard deviation of the position in metres, as the estimator sees it. Those of the built-in estimators leave
+    /// out that an error of the heading stays along the path: over long paths that no wall corrects, the true one
+    /// is several times as large.
     pub deviation: f64,
     /// Standard deviation of the heading in radians, as the estimator sees it.
     pub heading_deviation: f64,

@@ -45,7 +45,7 @@ settings! {
         robot_cells: u64 = 2 => integer("", 0..=100);
         /// Which fields are accepted.
         acceptance: Acceptance = Acceptance::LargestRegions => choice;
-        /// Fields that are drawn at most until one is accepted. BARN accepts about one of 1000 where `fill` is 0.3.
+        /// Fields that are drawn at most until one is accepted. Where `fill` is 0.3, about one of 400 is.
         attempts: u64 = 100_000 => integer("", 1..=1_000_000);
         /// Where start and goal are, at the left and at the right side of the field.
         ends: Ends = Ends::Random => choice;

@@ -76,8 +76,9 @@ pub struct ForestMetrics {
     /// trunks cannot be crossed. It uses the spec's own intensity, whatever the density map is, and means over the
     /// trees if the distribution of radii is not the spec's.
     pub reduced_density: f64,
-    /// Whether a wide forest of this reduced density is predicted to be crossable. Absent above the threshold if radii
-    /// differ: then discs percolate at a higher density, which is not known in general.
+    /// Whether a wide forest of this reduced density is predicted to be crossable. Absent where the density
+    /// varies or the radii are not the spec's, and above the threshold if radii differ: then discs percolate at a higher
+    /// density, which is not known in general.
     pub traversable_predicted: Option<bool>,
     /// Whether the robot's centre can move from the west side of the area to its east side without leaving the area.
     pub traversable: bool,
@@ -128,9 +129,12 @@ fn reduced_density(forest: &Forest) -> f64 {
 
 /// Whether a wide forest of this density is predicted to be crossable; `None` if nothing is predicted.
 pub(super) fn predicts_crossing(forest: &Forest) -> Option<bool> {
-    let are_equal = forest.spec().radius_law == RadiusLaw::Fixed && !forest.custom_radii;
+    let spec = forest.spec();
+    if spec.density.is_some() || forest.edited() {
+        return None;
+    }
     let is_below = reduced_density(forest) < PERCOLATION_THRESHOLD;
-    (is_below || are_equal).then_some(is_below)
+    (is_below || spec.radius_law == RadiusLaw::Fixed).then_some(is_below)
 }
 
 /// Returns the means of r and r^2 over trees; 0 without trees.
@@ -292,6 +296,7 @@ pub(super) fn crosses_west_east(forest: &Forest) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::forest::density::DensityMap;
     use crate::generate::{Blueprint, Spec};
     use crate::seed::Seed;
 
@@ -322,5 +327,11 @@ mod tests {
         assert_eq!(predicts_crossing(&forest(mixed.clone(), 1.0)), Some(true));
         let dense = forest(mixed, 1.17).metrics();
         assert_eq!((dense.traversable_predicted, dense.traversable), (None, true));
+        // The map multiplies the intensity: this forest is five times as dense as the spec says.
+        let varied = ForestSpec {
+            density: Some(DensityMap { rows: vec![vec![5.0]] }),
+            ..Default::default()
+        };
+        assert_eq!(predicts_crossing(&varied.generate(Seed(1)).unwrap()), None);
     }
 }

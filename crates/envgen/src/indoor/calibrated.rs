@@ -111,11 +111,13 @@ impl IndoorSpec {
         plans(self, seed, &IndoorLaws::default(), &mut |_| ())
     }
 
-    /// Checks that none of the settings that a user has given contradicts the others.
+    /// Fixes the settings that a user has given, each as [`IndoorSpec::fix`] does, and checks that none contradicts
+    /// the others.
     ///
     /// # Errors
     /// When `difficulty` is given beside the difficulty of mapping or navigation alone, which take its place.
-    pub fn check_given(&self, names: &[&str]) -> Result<(), SpecError> {
+    pub fn fix_given(&mut self, names: &[&str]) -> Result<(), SpecError> {
+        names.iter().for_each(|name| self.fix(name));
         let others = [("mapping", self.mapping), ("navigation", self.navigation)];
         match others.into_iter().find(|(_, dial)| dial.is_some()) {
             Some((other, _)) if names.contains(&"difficulty") => {

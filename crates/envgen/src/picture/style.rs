@@ -87,7 +87,7 @@ pub(super) fn obstacle(kind: ObstacleKind) -> (u32, Style) {
         ObstacleKind::Statue => (5, "statue"),
         ObstacleKind::Counter => (6, "counter"),
         ObstacleKind::Container => (7, "container"),
-        ObstacleKind::Cabinet => (8, "cupboard"),
+        ObstacleKind::Cabinet => (8, "cabinet"),
         ObstacleKind::Panel => (9, "fallen wall"),
         ObstacleKind::Desk => (10, "desk"),
         ObstacleKind::Chair => (11, "chair"),

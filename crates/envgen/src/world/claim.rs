@@ -5,6 +5,7 @@ use std::fmt;
 use glam::DVec2;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::changed_settings::rounded;
 use crate::dials::Prediction;
 use crate::geometry::Rect;
 
@@ -124,30 +125,33 @@ fn read_flag<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<bool>,
 
 impl fmt::Display for Claim {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Without the last digits, such as those of 0.7999999999999972.
+        let short = |length: &f64| rounded(*length, 12);
         match self {
             Claim::Connected { radius } => {
-                write!(f, "a disc of radius {radius} m can move from start to goal")
+                write!(f, "a disc of radius {} m can move from start to goal", short(radius))
             }
             Claim::TreeDistance { distance, .. } => {
-                write!(f, "no two trees' centres are nearer than {distance} m")
+                write!(f, "no two trees' centres are nearer than {} m", short(distance))
             }
             Claim::CrossesWestEast { radius, crosses, predicted, .. } => {
                 let word = |can: bool| if can { "can" } else { "cannot" };
                 write!(
                     f,
-                    "a disc of radius {radius} m {} cross from west to east",
+                    "a disc of radius {} m {} cross from west to east",
+                    short(radius),
                     word(*crosses)
                 )?;
                 predicted.map_or(Ok(()), |can| write!(f, " (predicted: {})", word(can)))
             }
             Claim::BendRadius { radius } => {
-                write!(f, "no bend of a road is tighter than {radius} m")
+                write!(f, "no bend of a road is tighter than {} m", short(radius))
             }
             Claim::EveryPlaceReachable { radius } => {
-                write!(f, "a disc of radius {radius} m can reach every room and hallway")
+                write!(f, "a disc of radius {} m can reach every room and hallway", short(radius))
             }
             Claim::Headroom { height } => {
-                write!(f, "no doorway is lower than {height} m")
+                write!(f, "no doorway is lower than {} m", short(height))
             }
             Claim::PredictedDifficulty { prediction } => {
                 let [d, m, n] = prediction

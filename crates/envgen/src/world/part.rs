@@ -266,7 +266,7 @@ pub enum ObstacleKind {
     Chair,
     /// A computer screen, on the floor.
     Screen,
-    /// A cupboard or shelf.
+    /// A cabinet or shelf.
     Cabinet,
     /// The counter of a reception.
     Counter,

@@ -10,6 +10,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::error::{DriverError, not_allowed};
+use super::limits::MAX_LINE;
 use crate::map::{CLAMP, OccupancyMap, RESOLUTION, TILE};
 
 /// Cells as bytes: the probability of being occupied in percent; 255 (-1 as a signed byte) is unknown.
@@ -27,6 +28,10 @@ const COARSEST: f64 = 1.0;
 
 /// Largest side of a driver's map in metres.
 const LARGEST: f64 = 400.0;
+
+/// Greatest number of cells of a driver's map: those of 0.05 m in the largest one. In base64 they fit into a line.
+const MOST_CELLS: u64 = 64_000_000;
+const _: () = assert!(MOST_CELLS as usize / 3 * 4 < MAX_LINE);
 
 /// How far in metres a driver's map may reach from the first robot's start.
 const FARTHEST: f64 = 1000.0;
@@ -64,13 +69,8 @@ impl Grid {
         })
     }
 
-    /// Returns a driver's map, resampled to our own cells. It replaces `before`; `start` is where the
-    /// first robot started.
-    pub(super) fn to_map(
-        &self,
-        start: DVec2,
-        before: &OccupancyMap,
-    ) -> Result<OccupancyMap, DriverError> {
+    /// Returns a driver's map, resampled to our own cells. `start` is where the first robot started.
+    pub(super) fn to_map(&self, start: DVec2) -> Result<OccupancyMap, DriverError> {
         let area = self.check(start)?;
         let cells = BASE64
             .decode(&self.cells)
@@ -84,7 +84,7 @@ impl Grid {
             let allowed = "from 0 to 100, or 255 for unknown";
             return Err(not_allowed("map.cells", format!("{bad} in a cell"), allowed));
         }
-        Ok(self.draw(&cells, area, before))
+        Ok(self.draw(&cells, area))
     }
 
     /// Returns the area of the map in metres, or names the first value that is not allowed.
@@ -101,6 +101,10 @@ impl Grid {
                 return Err(not_allowed(field, count, allowed));
             }
         }
+        if u64::from(cols) * u64::from(rows) > MOST_CELLS {
+            let allowed = format!("at most {MOST_CELLS} cells");
+            return Err(not_allowed("map.cols", format!("{cols} in {rows} rows"), allowed));
+        }
         let low = DVec2::from(origin);
         let high = low + DVec2::new(f64::from(cols), f64::from(rows)) * resolution;
         let places =
@@ -114,10 +118,10 @@ impl Grid {
         Ok(Rect::new(low, high))
     }
 
-    fn draw(&self, cells: &[u8], area: Rect, before: &OccupancyMap) -> OccupancyMap {
+    fn draw(&self, cells: &[u8], area: Rect) -> OccupancyMap {
         let columns = self.strips(area.min.x, area.max.x, self.cols);
         let rows = self.strips(area.min.y, area.max.y, self.rows);
-        let mut map = OccupancyMap::after(before);
+        let mut map = OccupancyMap::new();
         let mut tile = Vec::new();
         for (row, rows) in &rows {
             for (col, columns) in &columns {
@@ -178,7 +182,7 @@ mod tests {
     use crate::map::{Cell, CellIndex};
 
     fn drawn(grid: &Grid) -> Result<OccupancyMap, DriverError> {
-        grid.to_map(DVec2::ZERO, &OccupancyMap::new())
+        grid.to_map(DVec2::ZERO)
     }
 
     fn grid(resolution: f64, cols: u32, cells: &[u8]) -> Grid {
@@ -269,12 +273,13 @@ mod tests {
 
     #[test]
     fn maps_follow_one_another() {
-        let first = drawn(&grid(RESOLUTION, 1, &[100])).unwrap();
+        let mut map = drawn(&grid(RESOLUTION, 1, &[100])).unwrap();
+        let before = map.revision();
         let far = Grid { origin: [9.0, 9.0], ..grid(RESOLUTION, 1, &[100]) };
-        let second = far.to_map(DVec2::ZERO, &first).unwrap();
-        assert!(second.revision() > first.revision());
-        assert_eq!(second.changed_since(first.revision()).count(), 1);
-        assert_eq!(known(&second).len(), 1);
+        map.replace(drawn(&far).unwrap());
+        assert!(map.revision() > before);
+        assert_eq!(map.changed_since(before).count(), 1);
+        assert_eq!(known(&map).len(), 1);
     }
 
     #[test]
@@ -288,6 +293,8 @@ mod tests {
         assert_eq!(text, "`map.cells` must be 6, one per cell, got 4 bytes");
         let text = error(&Grid { cols: 4_000_000_000, ..good.clone() });
         assert_eq!(text, "`map.cols` must be from 1 to 4000, 400 m of 0.1 m, got 4000000000");
+        let text = error(&Grid { resolution: 0.02, cols: 8001, rows: 8000, ..good.clone() });
+        assert_eq!(text, "`map.cols` must be at most 64000000 cells, got 8001 in 8000 rows");
         let text = error(&Grid { origin: [0.0, 2e3], ..good.clone() });
         assert!(text.starts_with("`map.origin[1]` must be a map within 1000 m"), "{text}");
         assert!(error(&Grid { cells: "???".to_owned(), ..good }).contains("`map.cells`"));

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-/// Greatest length of a driver's line in bytes.
-pub const MAX_LINE: usize = 16 << 20;
+/// Greatest length of a driver's line in bytes, for the largest map that a driver may have.
+pub const MAX_LINE: usize = 96 << 20;
 
 /// Limits on the time that a driver may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

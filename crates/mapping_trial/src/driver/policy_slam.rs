@@ -112,8 +112,8 @@ impl Slam for DriverSlam {
         if let Some(said) = session.tick(robot, seen, None) {
             pose = said.pose.unwrap_or(pose);
             let start = self.tracks[0][0].position;
-            match said.map.map(|grid| grid.to_map(start, &self.map)) {
-                Some(Ok(map)) => self.map = map,
+            match said.map.map(|grid| grid.to_map(start)) {
+                Some(Ok(map)) => self.map.replace(map),
                 Some(Err(error)) => session.fail(&error, seen.time),
                 None => {}
             }

@@ -55,8 +55,14 @@ impl Stay {
         self.growth += growth;
     }
 
+    /// The growth in whole centimetres, without the sign of zero.
+    fn centimetres(self) -> f64 {
+        (100.0 * self.growth).round() + 0.0
+    }
+
     fn text(self) -> String {
-        format!("{:+.2} m of position error in {:.0} s", self.growth, self.seconds)
+        let growth = 0.01 * self.centimetres();
+        format!("{growth:+.2} m of position error in {:.0} s", self.seconds)
     }
 }
 
@@ -158,14 +164,18 @@ impl Measured<'_> {
             format!("{} (room {room}): {}", self.world.rooms[*room].name, stay.text())
         };
         let half = known.len().div_ceil(2);
-        let difficult: Vec<String> = known.iter().take(NAMED.min(half)).map(name).collect();
+        let rose = known.iter().filter(|(_, stay)| stay.centimetres() > 0.0);
+        let difficult: Vec<String> = rose.take(NAMED.min(half)).map(name).collect();
         let easy: Vec<String> =
             known.iter().rev().take(NAMED.min(known.len() - half)).map(name).collect();
-        let list = |rooms: Vec<String>, which: &str| match rooms.is_empty() {
-            true => "No other room was visited.".to_owned(),
+        let list = |rooms: Vec<String>, which: &str, none: &str| match rooms.is_empty() {
+            true => none.to_owned(),
             false => format!("The error rose {which} in {}.", rooms.join("; ")),
         };
-        (list(difficult, "most"), list(easy, "least"))
+        (
+            list(difficult, "most", "The error rose in no room."),
+            list(easy, "least", "No other room was visited."),
+        )
     }
 
     fn room_at(&self, p: DVec2) -> Option<usize> {

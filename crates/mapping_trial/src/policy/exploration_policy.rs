@@ -57,8 +57,8 @@ pub trait ExplorationPolicy {
         std::any::type_name::<Self>()
     }
 
-    /// Returns the decision on a robot. It is called every [`ExplorationPolicy::ticks_per_decision`]
-    /// ticks.
+    /// Returns the decision on a robot. It is called in the first tick, and then every
+    /// [`ExplorationPolicy::ticks_per_decision`] ticks.
     fn decide(&mut self, view: &PolicyInput<'_>) -> Decision;
 
     /// Returns the number of ticks from one decision to the next, at least 1. With 2, there are 10

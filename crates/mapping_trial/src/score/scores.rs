@@ -51,12 +51,14 @@ pub struct Scores {
     /// around by a cell of the map, 0.05 m. What the map cannot show does not count.
     pub e_use: f64,
     /// Pose error: d / (d + 0.05 m), where d is the error of the position relative to the pose 20 m of
-    /// path before, beyond 0.04 m. Robots that drove less count with their absolute errors.
+    /// path before, beyond 0.04 m, at poses every 0.25 m of path. Robots that drove less count with their
+    /// absolute errors.
     pub e_pose: f64,
     /// Coverage error: 1 - C.
     pub e_cov: f64,
     /// Time: t / (t + 1.5 s/m^2), where `t = (T + (1 - C) T_lim) / (C |F|) - 1 / (2 * 8 m * v)`, at
-    /// least 0, with v 5/7 of the greatest speed. This is the time per mapped area, beyond what a robot
+    /// least 0, with v 5/7 of the greatest speed. T_lim is the time limit, or how long the battery lasts if
+    /// that is less. This is the time per mapped area, beyond what a robot
     /// without errors needs in an open hall. In the divisor C counts as at least 0.01. In the same time,
     /// mapping less never helps.
     pub e_time: f64,

@@ -8,7 +8,8 @@ use crate::map::{Estimate, OccupancyMap};
 /// A SLAM estimator for one robot, or for several that share one map.
 ///
 /// Robots know where they start, and the map's frame is that of their start poses. An estimator has to
-/// announce changes of the map by [`OccupancyMap::touch`], since policies and scores look only there.
+/// announce changes of the map by [`OccupancyMap::touch`], since policies and scores look only there. One that gets whole
+/// maps, for example from another program, takes them over with [`OccupancyMap::replace`].
 ///
 /// A custom estimator is plugged in with [`TrialBuilder::slam`](crate::trial::TrialBuilder::slam).
 pub trait Slam {
@@ -24,7 +25,8 @@ pub trait Slam {
     /// Returns the pose estimate of a robot, in the map's frame.
     fn estimate(&self, robot: usize) -> Estimate;
 
-    /// Returns the map so far.
+    /// Returns the map so far, the same [`OccupancyMap`] each time: policies look only at what is newer than the
+    /// revision that they saw last.
     fn map(&self) -> &OccupancyMap;
 
     /// Returns the present best estimates of a robot's past poses: the start, and the pose after each

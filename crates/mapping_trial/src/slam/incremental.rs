@@ -26,7 +26,6 @@ pub type DeadReckoning = Incremental<false>;
 /// have made since walls last held the pose. Old walls that come into sight again are therefore found
 /// again. The map is never corrected: an error in it stays, so that loops cost as much as they cost the
 /// robots of that time.
-/// robots of the time.
 pub type ScanToMap = Incremental<true>;
 
 impl<const MATCHING: bool> Incremental<MATCHING> {

@@ -304,11 +304,13 @@ impl<'w> TrialBuilder<'w> {
         let TrialBuilder { world, parts, settings, starts, source, scenario, state, .. } =
             &mut self;
         let setup = Setup { settings, starts, area: world.bounds, scenario: state.as_ref() };
-        let slam = parts.make_slam(&setup);
-        let policy = parts.make_policy(&setup);
-        let observer = parts.make_observer(&setup);
+        // Robots do not know what moves.
+        let blind = Setup { scenario: None, ..setup };
+        let slam = parts.make_slam(&blind);
+        let policy = parts.make_policy(&blind);
+        let observer = parts.make_observer(&blind);
         let sensors: Vec<Sensors> =
-            (0..starts.len()).map(|robot| parts.make_sensors(&setup, robot)).collect();
+            (0..starts.len()).map(|robot| parts.make_sensors(&blind, robot)).collect();
         let foreign =
             parts.foreign(&*slam, policy.as_deref().map(|p| p as &dyn ExplorationPolicy), &sensors);
         let bodies = place(&setup, sensors);

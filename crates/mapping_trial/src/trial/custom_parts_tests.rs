@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use super::*;
 use crate::backend::{Command, Condition, Observation, RobotBackend, TICK};
-use crate::flat::FlatSimulator;
+use crate::flat::{FlatSimulator, FlatWorld};
 use crate::lidar::{LaserSensor, NO_ECHO, Scan};
 use crate::map::{Estimate, OccupancyMap};
 use crate::odometry::{Increment, WheelSensor};
@@ -307,6 +307,28 @@ fn backwards<'w>(world: &'w World, builder: TrialBuilder<'w>) -> Trial<Backwards
         Backwards(FlatSimulator::with_sensors(flat, body, setup.starts, laser, sensors))
     });
     trial.expect("a trial")
+}
+
+#[test]
+fn only_the_backend_knows_what_moves() {
+    let spec = IndoorSpec { width: 5, height: 5, ..Default::default() };
+    let world = spec.generate(Seed(3)).expect("a map").to_world();
+    let doors = ScenarioSpec { doors: 1.0, ..Default::default() };
+    let scenario = Scenario::new(&world, &doors, Seed(1)).expect("doors");
+    let builder = Trial::builder(&world, short(1.0)).scenario(scenario).policy(|setup| {
+        assert!(setup.scenario.is_none());
+        Ahead { speed: 0.2, decisions: 0, breaks_after: u32::MAX }
+    });
+    let mut known = false;
+    builder
+        .build(|setup, sensors| {
+            known = setup.scenario.is_some();
+            let flat = FlatWorld::new(&world, &setup.settings.body).expect("a robot that fits");
+            let TrialSettings { body, laser, .. } = setup.settings;
+            FlatSimulator::with_sensors(flat.into(), body, setup.starts, laser, sensors)
+        })
+        .expect("a trial");
+    assert!(known);
 }
 
 #[test]

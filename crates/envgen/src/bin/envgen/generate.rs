@@ -39,7 +39,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     if let WorldMetrics::Landscape(metrics) = blueprint.metrics()
         && let Some(error) = metrics.total_edge_error.filter(|error| *error != 0)
     {
-        note(&format!("no landscape of this total_edge was found; the nearest is {error:+} off"));
+        note(&format!(
+            "no landscape of this total_edge was found; the nearest that was found is {error:+} off"
+        ));
     }
     Ok(ExitCode::SUCCESS)
 }

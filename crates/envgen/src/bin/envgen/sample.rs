@@ -12,7 +12,7 @@ use serde_json::Value;
 use crate::failure::{Failure, print_line};
 use crate::platform::PlatformOptions;
 use crate::progress::bar;
-use crate::source::Source;
+use crate::source::{Source, note};
 
 /// At most this many seeds without a blueprint, and without a difficulty vector, are listed on stderr; the
 /// others are counted.
@@ -80,13 +80,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let settings = spec.settings_json();
     let bar = bar(count);
     let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    let (mut failures, mut unmeasured) = (0_u64, 0_u64);
+    let (mut failures, mut unmeasured, mut missed) = (0_u64, 0_u64, 0_u64);
     for n in 0..count {
         let seed = first.offset(n);
         match spec.generate(seed) {
             Ok(blueprint) => {
                 let metrics = &blueprint.metrics();
                 let kind = spec.kind();
+                if let WorldMetrics::Landscape(landscape) = metrics {
+                    missed += u64::from(landscape.total_edge_error.is_some_and(|error| error != 0));
+                }
                 let difficulty = match arguments.metrics {
                     Measures::Blueprint => None,
                     Measures::Difficulty => {
@@ -122,6 +125,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     bar.finish_and_clear();
     if unmeasured > NAMED_FAILURES {
         print_line(&format!("{unmeasured} of {count} seeds have no difficulty"));
+    }
+    if missed > 0 {
+        note(&format!(
+            "{missed} of {count} landscapes have the nearest total_edge that was found, not the given one"
+        ));
     }
     if failures > 0 {
         let text = format!("{failures} of {count} seeds have no {}", spec.kind());

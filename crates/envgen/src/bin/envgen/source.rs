@@ -94,9 +94,8 @@ impl Source {
             spec.set(name, value).in_option("--set", text)?;
         }
         if let WorldSpec::Indoor(indoor) = &mut spec {
-            settings.iter().for_each(|setting| indoor.fix(setting.name));
             let names: Vec<&str> = settings.iter().map(|setting| setting.name).collect();
-            indoor.check_given(&names).map_err(|error| self.blame(error, settings))?;
+            indoor.fix_given(&names).map_err(|error| self.blame(error, settings))?;
         }
         if self.rooms.are_given() {
             self.furnish(&mut spec)?;

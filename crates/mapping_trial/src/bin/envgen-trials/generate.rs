@@ -15,7 +15,7 @@ use envgen::{Blueprint, Seed, Spec, WorldBlueprint, WorldKind, WorldSpec};
 use mapping_trial::difficulty::{NEAR_REQUEST, Panel, Verified, most_trials, verified};
 
 use crate::panel::PanelOptions;
-use crate::progress;
+use crate::progress::Progress;
 use crate::stdout;
 use crate::usage::Usage;
 use crate::warning::{warn, warn_of_coverage};
@@ -58,10 +58,7 @@ impl Arguments {
             return Err(Usage(text).into());
         }
         let WorldSpec::Indoor(mut spec) = spec else { unreachable!("the kind is never set") };
-        for name in &names {
-            spec.fix(name);
-        }
-        spec.check_given(&names).in_option("--set", "difficulty")?;
+        spec.fix_given(&names).in_option("--set", "difficulty")?;
         let is_given = names.contains(&"robot_radius");
         if !is_given {
             spec.robot_radius = robot_radius(panel);
@@ -108,11 +105,13 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     check_formats(&outputs, &spec, arguments.seed)?;
     let mut files = outputs.iter().map(Output::create).collect::<Result<Vec<_>, _>>()?;
     let scale = arguments.panel.scale(&panel, threads)?;
-    let bar = progress::trials(most_trials(&panel, arguments.seeds) as u64, 0);
+    let bar = Progress::new();
+    let most = most_trials(&panel, arguments.seeds) as u64;
+    bar.set("trials", 0, most);
     let found = verified(&spec, arguments.seed, &panel, &scale, arguments.seeds, &mut |trials| {
-        bar.set_position(trials as u64);
+        bar.set("trials", trials as u64, most);
     });
-    bar.finish_and_clear();
+    bar.finish();
     let found = found?;
     let blueprint = WorldBlueprint::Indoor(found.plan.clone());
     for (output, file) in outputs.iter().zip(&mut files) {

@@ -15,7 +15,7 @@ use mapping_trial::mappable_area::MappableArea;
 use serde::Serialize;
 
 use crate::panel::PanelOptions;
-use crate::progress;
+use crate::progress::Progress;
 use crate::stdout;
 use crate::warning::{warn_of_coverage, warn_of_map};
 
@@ -70,13 +70,15 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     // Before the anchors, which may take minutes.
     measuring.check().in_file(path)?;
     let scale = arguments.panel.scale(&panel, threads)?;
-    let bar = progress::trials(panel.conditions.len() as u64 * u64::from(arguments.seeds), 0);
+    let bar = Progress::new();
+    let trials = panel.conditions.len() as u64 * u64::from(arguments.seeds);
+    bar.set("trials", 0, trials);
     let all: Vec<usize> = (0..panel.conditions.len()).collect();
     for _ in 0..arguments.seeds {
         measuring.add(&all).in_file(path)?;
-        bar.set_position(measuring.trials() as u64);
+        bar.set("trials", measuring.trials() as u64, trials);
     }
-    bar.finish_and_clear();
+    bar.finish();
     let measurement = measuring.finish(&scale).ok_or("the panel has no condition")?;
     // Atlases and predictions are for the reference panel.
     let calibration = Calibration::of_world(&world).filter(|_| panel == Panel::reference());

@@ -7,7 +7,7 @@ use std::path::Path;
 use mapping_trial::experiment::Shard;
 use mapping_trial::experiment::survey::{Survey, SurveyFolder};
 
-use crate::progress;
+use crate::progress::Progress;
 
 /// Runs all trials of a share of a survey that its folder does not hold yet.
 pub(crate) fn run(
@@ -17,12 +17,13 @@ pub(crate) fn run(
     threads: usize,
 ) -> Result<SurveyFolder, Box<dyn Error>> {
     let mut folder = SurveyFolder::open(folder, survey, shard)?;
-    let bar = progress::trials(folder.trials(), folder.records().len() as u64);
+    let bar = Progress::new();
+    bar.set("trials", folder.records().len() as u64, folder.trials());
     let result = folder.run(threads, &|progress| {
-        bar.set_position(progress.done);
+        bar.set("trials", progress.done, progress.all);
         ControlFlow::Continue(())
     });
-    bar.finish_and_clear();
+    bar.finish();
     result?;
     Ok(folder)
 }
