@@ -8,6 +8,7 @@ use serde_json::Value;
 use crate::indoor::{Edit, PlanEditor};
 use crate::landscape::LandscapeSpec;
 use crate::provenance::Provenance;
+use crate::seed::STREAM_ALGORITHM;
 use crate::spec::{WorldBlueprint, WorldKind, WorldSpec};
 use crate::world::World;
 
@@ -32,13 +33,15 @@ pub enum Reproduction {
     OtherCertificate,
     /// The spec and seed give no world; the text is the reason.
     NoWorld(String),
-    /// The spec asks for so much more than the world holds that it was not generated.
+    /// To generate the spec takes so much work for a world of this size that it was not compared.
     TooLarge {
-        /// Number of parts that the spec asks for.
+        /// The work: see [`Spec::work`](crate::Spec::work).
         work: f64,
         /// Number of parts that the world holds.
         parts: u64,
     },
+    /// The world was made by another algorithm of random streams and was not compared.
+    OtherAlgorithm(String),
     /// The world has another value version and was not compared.
     OtherVersion {
         /// The value version of the world.
@@ -57,13 +60,14 @@ impl Reproduction {
     pub fn is_credible(&self) -> bool {
         match self {
             Reproduction::Same(_)
+            | Reproduction::TooLarge { .. }
+            | Reproduction::OtherAlgorithm(_)
             | Reproduction::OtherVersion { .. }
             | Reproduction::Edited
             | Reproduction::NoSpec => true,
-            Reproduction::Different
-            | Reproduction::OtherCertificate
-            | Reproduction::NoWorld(_)
-            | Reproduction::TooLarge { .. } => false,
+            Reproduction::Different | Reproduction::OtherCertificate | Reproduction::NoWorld(_) => {
+                false
+            }
         }
     }
 }
@@ -89,7 +93,12 @@ impl fmt::Display for Reproduction {
             }
             Reproduction::TooLarge { work, parts } => write!(
                 f,
-                "not reproducible: its spec asks for about {work:.0} parts, the world holds {parts}"
+                "not compared: to generate its spec is as much work as about {work:.0} parts, the world \
+                 holds {parts}"
+            ),
+            Reproduction::OtherAlgorithm(algorithm) => write!(
+                f,
+                "not compared: made by the random streams {algorithm:?}, this program has {STREAM_ALGORITHM:?}"
             ),
             Reproduction::OtherVersion { made_by, makes } => write!(
                 f,
@@ -133,6 +142,9 @@ pub fn reproduce(world: &World) -> Reproduction {
     if provenance.value_version != kind.value_version() {
         let (made_by, makes) = (provenance.value_version, kind.value_version());
         return Reproduction::OtherVersion { made_by, makes };
+    }
+    if provenance.algorithm != STREAM_ALGORITHM {
+        return Reproduction::OtherAlgorithm(provenance.algorithm.clone());
     }
     let spec = match spec(provenance) {
         Ok(spec) => spec,
@@ -370,6 +382,10 @@ mod tests {
         let mut world = forest();
         world.provenance.value_version += 1;
         assert_eq!(reproduce(&world), Reproduction::OtherVersion { made_by: 2, makes: 1 });
+        let mut other = forest();
+        other.provenance.algorithm = "dice".to_owned();
+        let found = reproduce(&other);
+        assert!(found.is_credible() && found.to_string().contains("streams \"dice\""), "{found}");
         world.provenance.edited = true;
         assert_eq!(reproduce(&world), Reproduction::Edited);
         world.provenance.seed = None;
@@ -383,6 +399,8 @@ mod tests {
         world.provenance.spec["width"] = json!(1e6);
         let found = reproduce(&world);
         assert!(matches!(found, Reproduction::TooLarge { .. }), "{found}");
+        // Worlds may be honest and hold little of what their specs draw.
+        assert!(found.is_credible());
         let landscape = LandscapeSpec::default();
         let mut world = landscape.generate(Seed(1)).unwrap().to_world();
         world.provenance.spec["rows"] = json!(4096);

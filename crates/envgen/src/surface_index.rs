@@ -35,6 +35,12 @@ impl Ground {
         self.water || self.speed <= 0.0
     }
 
+    /// Whether a property is better than that of a plain floor.
+    fn is_better(self) -> bool {
+        let Ground { speed, odometry_noise, wheel_bias, water: _ } = Ground::PLAIN;
+        self.speed > speed || self.odometry_noise < odometry_noise || self.wheel_bias < wheel_bias
+    }
+
     /// Returns how far the wheels roll, in metres, while a robot drives `distance` metres.
     pub fn rolled(self, distance: f64) -> f64 {
         distance * (1.0 + self.wheel_bias)
@@ -88,7 +94,9 @@ impl SurfaceIndex {
     /// Indexes the surfaces of a world that are not plain, and also its raster unless its classes are among the
     /// surfaces.
     pub fn new(world: &World) -> Self {
-        SurfaceIndex::of(world, |ground| ground != Ground::PLAIN)
+        // Where a plain surface overlaps one that is better, the ground is plain.
+        let are_better = world.surfaces.iter().any(|surface| Ground::from(surface).is_better());
+        SurfaceIndex::of(world, |ground| are_better || ground != Ground::PLAIN)
     }
 
     /// Indexes only the surfaces of a world whose ground `is_listed`, and also its raster unless its classes are
@@ -145,14 +153,17 @@ impl SurfaceIndex {
     /// Returns the ground at a point; [`Ground::PLAIN`] if the world has no other ground there.
     pub fn at(&self, p: DVec2) -> Ground {
         let speed = self.raster.as_ref().and_then(|raster| raster.speed_at(p));
-        let plain = Ground { speed: speed.unwrap_or(1.0), ..Ground::PLAIN };
+        let cell = speed.map(|speed| Ground { speed, ..Ground::PLAIN });
         self.index
             .at(p)
             .iter()
             .filter(|&&i| self.bounds[i as usize].contains(p))
             .map(|&i| &self.surfaces[i as usize])
             .filter(|surface| surface.shape.contains(p))
-            .fold(plain, |ground, surface| ground.worst(surface.into()))
+            .map(Ground::from)
+            .chain(cell)
+            .reduce(Ground::worst)
+            .unwrap_or(Ground::PLAIN)
     }
 }
 
@@ -204,8 +215,26 @@ mod tests {
     }
 
     #[test]
+    fn ground_may_be_better_than_plain() {
+        let mut world = IndoorSpec::default().generate(Seed(1)).expect("a map").to_world();
+        world.surfaces.clear();
+        let side = |side: f64| Shape::from_rect(Rect::new(DVec2::ZERO, DVec2::splat(side)));
+        let good = Surface::new(SurfaceKind::Class(1), side(2.0));
+        world.surfaces.push(Surface { speed: 3.0, odometry_noise: 0.5, ..good });
+        let ground = |world: &World, x| {
+            let ground = SurfaceIndex::new(world).at(DVec2::splat(x));
+            (ground.speed, ground.odometry_noise)
+        };
+        assert_eq!((ground(&world, 1.0), ground(&world, 3.0)), ((3.0, 0.5), (1.0, 1.0)));
+        // The worst counts where surfaces overlap, also if it is plain.
+        world.surfaces.push(Surface::new(SurfaceKind::Class(2), side(1.0)));
+        assert_eq!((ground(&world, 0.5), ground(&world, 1.5)), ((1.0, 1.0), (3.0, 0.5)));
+    }
+
+    #[test]
     fn a_landscape_of_many_pieces_has_its_raster() {
-        let spec = LandscapeSpec { rows: 40, cols: 40, ..Default::default() };
+        let speeds = vec![1.0, 3.0, 0.5];
+        let spec = LandscapeSpec { rows: 40, cols: 40, classes: 3, speeds, ..Default::default() };
         let mut world = spec.generate(Seed(1)).expect("a landscape").to_world();
         let listed = SurfaceIndex::new(&world);
         world.surfaces.clear();

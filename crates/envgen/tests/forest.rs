@@ -297,6 +297,41 @@ fn density_thins_the_forest() {
 }
 
 #[test]
+fn ends_of_a_narrow_forest_are_felt_far_away() {
+    // From the integral over a line of a Poisson number of at least two points.
+    for (width, height, intensity, expected) in
+        [(0.01, 1000.0, 2.0, 27.797), (0.1, 100.0, 1.0, 6.273), (0.01, 100.0, 10.0, 6.273)]
+    {
+        let radius = 0.1 * width;
+        let spec = ForestSpec {
+            width,
+            height,
+            intensity,
+            radius,
+            robot_radius: 0.0,
+            ..Default::default()
+        };
+        let found = generate(&spec, 1).metrics().nearest_neighbour_predicted.unwrap();
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} for {expected}");
+    }
+}
+
+#[test]
+fn a_single_tree_has_no_neighbours() {
+    let spec = ForestSpec {
+        width: 10.0,
+        height: 10.0,
+        min_distance: 60.0,
+        intensity: 0.01,
+        ..Default::default()
+    };
+    let counts: Vec<_> = (0..20)
+        .map(|seed| spec.generate(Seed(seed)).map(|forest| forest.trees().len()).ok())
+        .collect();
+    assert!(counts.contains(&Some(1)) && !counts.contains(&Some(2)), "{counts:?}");
+}
+
+#[test]
 fn a_density_function_takes_the_place_of_the_intensity() {
     let spec = ForestSpec::default();
     let slope = (0.2, |p: DVec2| 0.2 * p.x / 50.0);

@@ -12,7 +12,7 @@ impl Floor {
     pub(super) fn new(world: &World) -> Self {
         let plain = Ground::PLAIN;
         let is_uneven = world.surfaces.iter().map(Ground::from).any(|ground| {
-            ground.odometry_noise > plain.odometry_noise || ground.wheel_bias > plain.wheel_bias
+            ground.odometry_noise != plain.odometry_noise || ground.wheel_bias != plain.wheel_bias
         });
         Floor(is_uneven.then(|| SurfaceIndex::new(world)))
     }

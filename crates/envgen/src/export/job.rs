@@ -1,6 +1,5 @@
 //! Jobs: what to write, and the options of the formats.
 
-use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
 
@@ -8,6 +7,7 @@ use super::error::ExportError;
 #[cfg(feature = "paths")]
 use super::movingai;
 use super::ros_map::{self, RosMap};
+use crate::import::class_labels;
 #[cfg(feature = "picture")]
 use crate::picture::PictureOptions;
 use crate::scenario::Scenario;
@@ -83,15 +83,7 @@ impl<'a> Job<'a> {
     /// Returns the values that the classes of a raster had in the file from which it was read, if these are not
     /// class numbers: one value for each class, all different.
     pub(super) fn class_labels(&self) -> Option<Vec<i64>> {
-        let labels = self.world.provenance.spec.get("labels")?.as_array()?;
-        let highest = self.world.raster.as_ref()?.cells.iter().max().copied()?;
-        if !(usize::from(highest)..=usize::from(u16::MAX)).contains(&labels.len()) {
-            return None;
-        }
-        let labels: Vec<i64> =
-            labels.iter().map(serde_json::Value::as_i64).collect::<Option<_>>()?;
-        let different: BTreeSet<i64> = labels.iter().copied().collect();
-        (different.len() == labels.len()).then_some(labels)
+        class_labels(&self.world.provenance.spec, self.world.raster.as_ref()?)
     }
 
     pub(super) fn write_scenario(&self, out: &mut dyn Write) -> Result<(), ExportError> {

@@ -118,7 +118,7 @@ impl DensityMap {
             sum += factor;
             sum
         });
-        MapDensity { map: self, area, intensity, sums: sums.collect() }
+        MapDensity { map: self, area, intensity, max: intensity * self.max(), sums: sums.collect() }
     }
 }
 
@@ -126,6 +126,8 @@ struct MapDensity<'a> {
     map: &'a DensityMap,
     area: Rect,
     intensity: f64,
+    /// The greatest density. It is asked for with every tree.
+    max: f64,
     /// Cumulative sums of the factors, one per cell.
     sums: Vec<f64>,
 }
@@ -138,7 +140,7 @@ impl MapDensity<'_> {
 
 impl Density for MapDensity<'_> {
     fn max(&self) -> f64 {
-        self.intensity * self.map.max()
+        self.max
     }
 
     fn at(&self, p: DVec2) -> f64 {

@@ -77,8 +77,9 @@ impl EndlessForest {
     pub fn new(spec: &ForestSpec, tile: f64, seed: Seed) -> Result<Self, SpecError> {
         let spec = ForestSpec { width: 1.0, height: 1.0, density: None, ..spec.clone() };
         let distance = spec.min_distance;
-        // The rectangle's own limits do not apply here.
-        ForestSpec { min_distance: 0.0, border: super::Border::Open, ..spec.clone() }.validate()?;
+        // The limits of the rectangle and of its crossing do not apply here.
+        let border = super::Border::Open;
+        ForestSpec { min_distance: 0.0, robot_radius: 0.0, border, ..spec.clone() }.validate()?;
         if !(distance >= 0.0 && distance.is_finite()) {
             let allowed = "a finite number, at least 0".to_owned();
             return Err(SpecError::new("min_distance", distance, allowed));
@@ -339,6 +340,12 @@ mod tests {
         assert!(forest.window(window(f64::NAN, 0.0, 1.0, 1.0)).is_err());
         let reversed = Rect { min: DVec2::new(30.0, -1e10), max: DVec2::new(-30.0, 1e10) };
         assert_eq!(forest.window(reversed), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn the_robot_does_not_matter() {
+        let spec = ForestSpec { robot_radius: 30.0, ..Default::default() };
+        assert!(EndlessForest::new(&spec, 10.0, Seed(1)).is_ok());
     }
 
     #[test]

@@ -15,7 +15,7 @@ pub enum ForestError {
     #[error(
         "`min_distance` must be less, got {distance} m: {trees} trees were drawn and the area \
          holds at most {} at this distance",
-        capacity.floor()
+        capacity.floor().max(1.0)
     )]
     Capacity {
         /// Number of trees drawn.

@@ -46,7 +46,8 @@ pub(super) fn centres(
     let size = area.size() + distance;
     let room = density.map_or(size.x * size.y, |density| density.room(area, distance));
     let capacity = FILLING_LIMIT * room / (distance * distance);
-    if count as f64 > capacity {
+    // A single tree has no neighbours.
+    if count > 1 && count as f64 > capacity {
         return Err(ForestError::Capacity { trees: count, capacity, distance });
     }
     let torus = spec.border == Border::Torus;

@@ -82,7 +82,12 @@ pub(super) fn nearest_neighbour(spec: &ForestSpec) -> f64 {
             mean * others_elsewhere(mean, elsewhere, 1) / two_or_more
         })
     };
-    centres.mean(centres.half, (FAR / (PI * spec.intensity)).sqrt(), distance)
+    // How far an end of the area is felt. A narrow one has few trees in a disc.
+    let mut reach = (FAR / (PI * spec.intensity)).sqrt();
+    while reach < diagonal && spec.intensity * centres.inside(DVec2::ZERO, reach) < FAR {
+        reach *= 1.25;
+    }
+    centres.mean(centres.half, reach, distance)
 }
 
 /// Returns the sum, over n > `least`, of the Poisson probability of n over `mean`, times the probability that n - 1

@@ -36,6 +36,7 @@ pub use houseexpo::read_houseexpo;
 #[cfg(feature = "paths")]
 pub use movingai::{read_map, read_scenarios};
 pub use plan_error::PlanError;
+pub(crate) use raster::class_labels;
 pub use raster::{ImportedRaster, RasterFileError, read_raster_json};
 #[cfg(feature = "ros")]
 use ros_map::{RosMapError, UnknownCells};

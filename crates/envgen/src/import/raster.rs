@@ -1,11 +1,12 @@
 //! Rasters of classes from ESRI ASCII grids, PNG images, JSON and MovingAI maps.
 
-use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
 use glam::DVec2;
 use serde::Deserialize;
+use serde_json::Value;
 use thiserror::Error;
 
 use crate::file::{self, FileError};
@@ -171,6 +172,22 @@ struct Document {
     cell: Option<f64>,
     raster: Option<ClassRaster>,
     blueprint: Option<Box<Document>>,
+    /// That of a world.
+    #[serde(default)]
+    provenance: Value,
+}
+
+/// Returns the values that the classes of a raster had in the file from which it was read, by what is known about that
+/// file: one value for each class, all different.
+pub(crate) fn class_labels(source: &Value, raster: &ClassRaster) -> Option<Vec<i64>> {
+    let labels = source.get("labels")?.as_array()?;
+    let highest = raster.cells.iter().max().copied()?;
+    if !(usize::from(highest)..=usize::from(u16::MAX)).contains(&labels.len()) {
+        return None;
+    }
+    let labels: Vec<i64> = labels.iter().map(Value::as_i64).collect::<Option<_>>()?;
+    let different: BTreeSet<i64> = labels.iter().copied().collect();
+    (different.len() == labels.len()).then_some(labels)
 }
 
 /// The value of a cell; 0 is no data.
@@ -193,7 +210,13 @@ pub fn read_raster_json(input: &mut dyn Read) -> Result<ImportedRaster, RasterFi
     let text = file::read_text(input)?;
     let mut document = if text.trim_start().starts_with('[') {
         let cells = serde_json::from_str(&text).map_err(RasterFileError::Json)?;
-        Document { cells: Some(cells), cell: None, raster: None, blueprint: None }
+        Document {
+            cells: Some(cells),
+            cell: None,
+            raster: None,
+            blueprint: None,
+            provenance: Value::Null,
+        }
     } else {
         serde_json::from_str(&text).map_err(RasterFileError::Json)?
     };
@@ -206,7 +229,8 @@ pub fn read_raster_json(input: &mut dyn Read) -> Result<ImportedRaster, RasterFi
         if raster.cells.len() as u64 != rows * cols {
             return Err(RasterFileError::Values { rows, cols, found: raster.cells.len() as u64 });
         }
-        return Ok(ImportedRaster { raster, labels: None });
+        let labels = class_labels(&document.provenance["spec"], &raster);
+        return Ok(ImportedRaster { raster, labels });
     }
     let lines = document.cells.ok_or(RasterFileError::NoCells)?;
     let (rows, cols) = (lines.len() as u64, lines.first().map_or(0, Vec::len) as u64);

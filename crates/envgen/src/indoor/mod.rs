@@ -87,9 +87,11 @@ impl Spec for IndoorSpec {
     }
 
     fn work(&self) -> f64 {
-        // About ten parts are as much work as a cell. Moving the contents of a room measures it many times.
+        // About ten parts are as much work as a cell. Moving the contents of a room measures it many times, at
+        // points as dense in large cells as in small ones.
         let parts = (0.1 * (self.most_contents() + self.maze_squares())).max(1.0);
-        let contents = if self.clearance.is_some() { 1000.0 * parts } else { parts };
+        let measured = 1000.0 * (self.cell_size / 3.0) * (self.cell_size / 3.0);
+        let contents = if self.clearance.is_some() { measured.max(1.0) * parts } else { parts };
         let maps = if self.profile == Profile::Calibrated { calibrated::CANDIDATES } else { 1 };
         let crates = self.clutter / 100.0 * self.cell_size * self.cell_size;
         let a_cell = contents + crates * clutter::ATTEMPTS as f64;

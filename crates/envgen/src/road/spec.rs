@@ -308,7 +308,7 @@ impl RoadSpec {
             return Err(SpecError::new("step", self.step, allowed));
         }
         if self.closed && waypoints < 3.0 {
-            let allowed = "at most a third of the length of a closed road";
+            let allowed = "at most 0.4 of the length of a closed road, for three waypoints";
             return Err(SpecError::new("step", self.step, allowed));
         }
         if self.kerb > 0.0 && self.kerb < LEAST_KERB {
@@ -388,7 +388,7 @@ pub enum Crossing {
 }
 
 pub(super) const RULES: &[&str] = &[
-    "`step` is at most the `length`, a third of it where `closed` is true, and there are at most \
+    "`step` is at most the `length`, 0.4 of it where `closed` is true, and there are at most \
      2,000,000 waypoints: `length` over `step`",
     "`prefabs` holds 1 to 4096 segments, where `segment_count` is 0",
     "`alpha` is a number, or has one for each segment of `prefabs`, or of `segment_count`",

@@ -38,7 +38,6 @@ pub struct BodyHit {
 /// trees have flat sides, and roads have straight edges between their stations. No triangles are used: rays are
 /// intersected with outlines, heights and planes. Like a camera, a ray meets only surfaces that face it; it does
 /// not meet a body in which it starts.
-/// the ray starts in is not.
 ///
 /// ```
 /// use envgen::glam::DVec3;
