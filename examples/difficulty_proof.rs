@@ -27,8 +27,11 @@
 mod progress;
 #[path = "../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
+#[path = "../crates/mapping_trial/src/bin/envgen-trials/stdout.rs"]
+mod stdout;
 
 use std::error::Error;
+use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -150,7 +153,6 @@ fn main() -> ExitCode {
     }
 }
 
-#[expect(clippy::print_stdout, reason = "what an example is for")]
 fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let design = arguments.design()?;
     let (threads, shard) = (usize::from(arguments.threads), arguments.shard);
@@ -170,8 +172,8 @@ fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     bar.finish();
     if shard != Shard::WHOLE {
-        println!("share {shard} is finished: {}", arguments.out.display());
-        return Ok(());
+        let finished = format!("share {shard} is finished: {}\n", arguments.out.display());
+        return Ok(stdout::print(&finished)?);
     }
     let analysing = spinner("analysing");
     let scale = reference_scale();
@@ -190,22 +192,25 @@ fn prove(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             .map_err(|error| format!("{}: {}", path.display(), error.error))?;
     }
     analysing.finish_and_clear();
-    print(&analysis);
-    Ok(())
+    Ok(stdout::print(&tables(&analysis))?)
 }
 
-#[expect(clippy::print_stdout, reason = "what an example is for")]
-fn print(analysis: &Analysis) {
-    println!(
+/// The table of an analysis, and what else is in it.
+fn tables(analysis: &Analysis) -> String {
+    let mut text = String::new();
+    writeln!(
+        text,
         "{:>10} cells {:>26} maps    rho   tau  slope  intercept  error  linked  near",
         "", "panel"
-    );
+    )
+    .ok();
     for row in &analysis.rows {
         let number = |interval: Option<mapping_trial::experiment::stats::Interval>| {
             interval.map_or_else(|| "-".to_owned(), |interval| format!("{:.2}", interval.value))
         };
         let part = format!("{:?}", row.part).to_lowercase();
-        println!(
+        writeln!(
+            text,
             "{part:>10} {:5} {:>26} {:4} {:>6} {:>5} {:>6} {:>10} {:>6} {:>7} {:>5}",
             row.footprint,
             row.panel,
@@ -217,25 +222,33 @@ fn print(analysis: &Analysis) {
             number(row.raw.error),
             number(row.linked.error),
             number(row.raw.near)
-        );
+        )
+        .ok();
     }
     for one in &analysis.dropped {
         let part = format!("{:?}", one.part).to_lowercase();
-        println!(
+        writeln!(
+            text,
             "{} of the {} maps of {} cells of the part {part} are left out: a panel cannot run in them",
             one.dropped, one.maps, one.footprint
-        );
+        )
+        .ok();
     }
     for level in &analysis.levels {
-        println!(
+        writeln!(
+            text,
             "{} cells, requests of {}: measured {:.2} +- {:.2} over {} maps",
             level.footprint, level.level, level.mean, level.half_interval, level.maps
-        );
+        )
+        .ok();
     }
     for single in &analysis.singles {
-        println!(
+        writeln!(
+            text,
             "{} cells: the {} {} explains {:.2} of the order, metres of wall {:.2}",
             single.footprint, single.of, single.name, single.explained, single.wall_length
-        );
+        )
+        .ok();
     }
+    text
 }

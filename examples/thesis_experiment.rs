@@ -33,9 +33,13 @@
 mod progress;
 #[path = "../crates/mapping_trial/src/bin/envgen-trials/spinner.rs"]
 mod spinner;
+#[path = "../crates/mapping_trial/src/bin/envgen-trials/stdout.rs"]
+mod stdout;
 #[path = "shared/trial_arguments.rs"]
 mod trial_arguments;
 
+use std::error::Error;
+use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -46,7 +50,7 @@ use envgen::indoor::Profile;
 use mapping_trial::experiment::hazards::{self, Hazard};
 use mapping_trial::experiment::stats::Interval;
 use mapping_trial::experiment::survey::SurveyFolder;
-use mapping_trial::experiment::{Design, Experiment, ExperimentError, Shard, report};
+use mapping_trial::experiment::{Design, Experiment, Shard, report};
 use mapping_trial::policy::PolicyKind;
 
 use crate::progress::Progress;
@@ -152,7 +156,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let threads = usize::from(arguments.threads);
     if let Some(first) = arguments.merge.first() {
         if !arguments.hazards.is_empty() {
@@ -170,7 +174,7 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     }
     let begin = if arguments.fresh { Experiment::fresh } else { Experiment::open };
     let mut experiment = begin(&arguments.out, &design, shard)?;
-    announce(&experiment);
+    announce(&experiment)?;
     let bar = Progress::new();
     bar.set("trials", experiment.records().len() as u64, experiment.trials() as u64);
     let result = experiment.run(threads, &|progress| {
@@ -182,19 +186,17 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     if shard == Shard::WHOLE {
         return write_report(&experiment, threads);
     }
-    say_finished(shard, experiment.folder());
-    Ok(())
+    say_finished(shard, experiment.folder())
 }
 
 /// Prints that a share is finished, since its results are not those of all trials.
-#[expect(clippy::print_stdout, reason = "what an example is for")]
-fn say_finished(shard: Shard, folder: &Path) {
-    println!("share {shard} is finished: {}", folder.display());
+fn say_finished(shard: Shard, folder: &Path) -> Result<(), Box<dyn Error>> {
+    Ok(stdout::print(&format!("share {shard} is finished: {}\n", folder.display()))?)
 }
 
 /// Runs the maps with and without each hazard, and prints the cost of each; for a share, prints that it
 /// is finished.
-fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
+fn cost(arguments: &Arguments, design: &Design) -> Result<(), Box<dyn Error>> {
     let hazards = &arguments.hazards;
     let survey = hazards::survey(design, hazards)?;
     let mut folder = SurveyFolder::open(&arguments.out, &survey, arguments.shard)?;
@@ -207,25 +209,27 @@ fn cost(arguments: &Arguments, design: &Design) -> Result<(), ExperimentError> {
     bar.finish();
     result?;
     if arguments.shard != Shard::WHOLE {
-        say_finished(arguments.shard, &arguments.out);
-        return Ok(());
+        return say_finished(arguments.shard, &arguments.out);
     }
     print_costs(hazards, &folder)
 }
 
 /// Prints the cost of each hazard.
-#[expect(clippy::print_stdout, reason = "what an example is for")]
-fn print_costs(hazards: &[Hazard], folder: &SurveyFolder) -> Result<(), ExperimentError> {
+fn print_costs(hazards: &[Hazard], folder: &SurveyFolder) -> Result<(), Box<dyn Error>> {
     let survey = folder.survey();
     let width = hazards.iter().map(|hazard| hazard.name.len()).max().unwrap_or(0);
-    println!(
+    let mut text = String::new();
+    writeln!(
+        text,
         "{:>width$} maps  D more             M more             N more             collisions with people  ghosts",
         ""
-    );
+    )
+    .ok();
     for cost in hazards::costs(survey, hazards, folder.records()) {
         let more =
             |one: Interval| format!("{:+5.2} [{:+.2}, {:+.2}]", one.value, one.low, one.high);
-        println!(
+        writeln!(
+            text,
             "{:>width$} {:4}  {} {} {} {:22.1} {:7.1} m^2",
             cost.hazard,
             cost.maps,
@@ -234,10 +238,11 @@ fn print_costs(hazards: &[Hazard], folder: &SurveyFolder) -> Result<(), Experime
             more(cost.navigation),
             cost.person_collisions,
             cost.ghost_area
-        );
+        )
+        .ok();
     }
-    println!("wrote {}", folder.file().display());
-    Ok(())
+    writeln!(text, "wrote {}", folder.file().display()).ok();
+    Ok(stdout::print(&text)?)
 }
 
 impl Arguments {
@@ -266,15 +271,16 @@ impl Arguments {
 }
 
 /// Prints how many trials there are to run.
-#[expect(clippy::print_stdout, reason = "what an example is for")]
-fn announce(experiment: &Experiment) {
+fn announce(experiment: &Experiment) -> Result<(), Box<dyn Error>> {
     let (design, all) = (experiment.design(), experiment.trials());
     let done = experiment.records().len();
     let share = match experiment.shard() {
         Shard::WHOLE => String::new(),
         shard => format!(" of share {shard}"),
     };
-    println!(
+    let mut text = String::new();
+    writeln!(
+        text,
         "{all} trials{share}: {} levels x {} maps x {} noise seeds x {} policies, and the paper's \
          {} maps per level by {} policies",
         design.levels.len(),
@@ -283,19 +289,19 @@ fn announce(experiment: &Experiment) {
         design.policies.len(),
         design.replay.maps,
         design.replay.policies.len(),
-    );
+    )
+    .ok();
     if done > 0 {
-        println!("{done} of them were finished before, in {}", experiment.folder().display());
+        writeln!(text, "{done} of them were finished before, in {}", experiment.folder().display())
+            .ok();
     }
+    Ok(stdout::print(&text)?)
 }
 
-#[expect(clippy::print_stdout, reason = "what an example is for")]
-fn write_report(experiment: &Experiment, threads: usize) -> Result<(), ExperimentError> {
+fn write_report(experiment: &Experiment, threads: usize) -> Result<(), Box<dyn Error>> {
     let writing = spinner("writing the report");
     let paths = report::write(experiment, threads)?;
     writing.finish_and_clear();
-    for path in paths {
-        println!("wrote {}", path.display());
-    }
-    Ok(())
+    let wrote = paths.iter().map(|path| format!("wrote {}\n", path.display()));
+    Ok(stdout::print(&wrote.collect::<String>())?)
 }

@@ -53,6 +53,6 @@ fn seconds(option: &str, value: f64) -> Result<Duration, String> {
     let is_allowed = |value: &Duration| !value.is_zero() && *value <= MOST_WAITING;
     Duration::try_from_secs_f64(value).ok().filter(is_allowed).ok_or_else(|| {
         let most = MOST_WAITING.as_secs();
-        format!("`{option}` must be a number of seconds above 0, at most {most}, got {value}")
+        format!("`{option}` must be a number of seconds above 0, at most {most}, got {value:?}")
     })
 }

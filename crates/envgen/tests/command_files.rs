@@ -525,8 +525,8 @@ fn promises_that_open_doors_break_end_with_exit_code_1() {
     assert!(still.contains(&format!("holds: {promise}")) && !still.contains("doors["), "{still}");
     let sliding = checked(" --scenario sliding.ron", 0);
     assert!(sliding.contains(&format!("holds: {promise}")), "{sliding}");
-    assert!(sliding.contains("only through doors[0]: room 0 (store)\n"), "{sliding}");
-    let behind = "only through doors[1]: surfaces[0] (hallway), the goal\n";
+    assert!(sliding.contains("only through doors[0] in doorway 0: room 0 (store)\n"), "{sliding}");
+    let behind = "only through doors[1] in doorway 1: surfaces[0] (hallway), the goal\n";
     assert!(sliding.contains(behind), "{sliding}");
     let hinged = checked(" --scenario hinged.ron", 1);
     assert!(hinged.contains(&format!("broken: {promise}")), "{hinged}");

@@ -19,7 +19,11 @@
 
 #[path = "../src/bin/envgen-trials/progress.rs"]
 mod progress;
+#[path = "../src/bin/envgen-trials/stdout.rs"]
+mod stdout;
 
+use std::error::Error;
+use std::fmt::Write;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -75,12 +79,12 @@ fn main() -> ExitCode {
     }
 }
 
-#[expect(clippy::print_stdout, reason = "what an example is for")]
-fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let survey = read(&arguments.survey)?;
     let folder = if arguments.merge.is_empty() {
         let mut folder = SurveyFolder::open(&arguments.out, &survey, arguments.shard)?;
-        println!("{} trials, {} finished before", folder.trials(), folder.records().len());
+        let (all, finished) = (folder.trials(), folder.records().len());
+        stdout::print(&format!("{all} trials, {finished} finished before\n"))?;
         let bar = Progress::new();
         bar.set("trials", folder.records().len() as u64, folder.trials());
         let result = folder.run(usize::from(arguments.threads), &|progress| {
@@ -95,18 +99,18 @@ fn run(arguments: &Arguments) -> Result<(), ExperimentError> {
     };
     let records: Vec<_> = folder.records().collect();
     let summary = summarise(&survey, &records);
-    print(&summary, arguments.faults);
+    let mut printed = tables(&summary, arguments.faults);
     let path = arguments.out.join("summary.json");
     let text = serde_json::to_vec_pretty(&summary)
         .map_err(|error| ExperimentError::Report(error.to_string()))?;
     write(&path, &text)?;
-    println!("wrote {} and {}", folder.file().display(), path.display());
+    writeln!(printed, "wrote {} and {}", folder.file().display(), path.display()).ok();
     if let Some(ranks) = &summary.ranks {
         let path = arguments.out.join("ranks.csv");
         write(&path, &ranks.csv()?)?;
-        println!("wrote {}", path.display());
+        writeln!(printed, "wrote {}", path.display()).ok();
     }
-    Ok(())
+    Ok(stdout::print(&printed)?)
 }
 
 fn read(path: &Path) -> Result<Survey, ExperimentError> {
@@ -123,12 +127,15 @@ fn write(path: &Path, text: &[u8]) -> Result<(), ExperimentError> {
         .map_err(|error| ExperimentError::File { path: path.to_owned(), source: error.error })
 }
 
-#[expect(clippy::print_stdout, reason = "what an example is for")]
-fn print(summary: &Summary, faults: usize) {
-    println!(
+/// The tables of a summary, and its first faults of each kind.
+fn tables(summary: &Summary, faults: usize) -> String {
+    let mut text = String::new();
+    writeln!(
+        text,
         "\n{:>40} trials     D     M     N    D1    M1    N1     C   time  ATE median, 90 %  ends",
         ""
-    );
+    )
+    .ok();
     for group in &summary.groups {
         let name = format!("{}, {}", group.family, group.condition);
         let ends: Vec<String> =
@@ -140,7 +147,8 @@ fn print(summary: &Summary, faults: usize) {
         let mean = |of: fn(&Means) -> f64, width, decimals| {
             number(group.mean.as_ref().map(of), width, decimals)
         };
-        println!(
+        writeln!(
+            text,
             "{name:>40} {:6} {} {} {} {} {} {} {} {} {} {}  {}",
             group.trials,
             mean(|mean| mean.difficulty, 5, 2),
@@ -154,7 +162,8 @@ fn print(summary: &Summary, faults: usize) {
             number(group.median_error, 8, 2),
             number(group.high_error, 8, 2),
             ends.join(", ")
-        );
+        )
+        .ok();
     }
     for measure in &summary.measures {
         let shares = measure.components.components.iter();
@@ -167,27 +176,32 @@ fn print(summary: &Summary, faults: usize) {
         let ratio = measure.components.signal_to_noise.map_or_else(String::new, |ratio| {
             format!("{:.2} [{:.2}, {:.2}]", ratio.value, ratio.low, ratio.high)
         });
-        println!(
+        writeln!(
+            text,
             "{:>7}: signal to noise {ratio}; {} trials for +-0.2; {}",
             measure.symbol,
             measure.components.trials_for_fifth,
             shares.join(", ")
-        );
+        )
+        .ok();
     }
     if let Some(ranks) = &summary.ranks {
         let tau = ranks.tau.map(|tau| tau.map_or("-".to_owned(), |tau| format!("{tau:.2}")));
-        println!(
+        writeln!(
+            text,
             "\nmean ranks of {} worlds by score 1 and by score 2; Kendall's tau of D {}, M {}, N {}",
             ranks.worlds, tau[0], tau[1], tau[2]
-        );
+        )
+        .ok();
         for family in &ranks.families {
             let ranks = [family.difficulty, family.mapping, family.navigation];
             let ranks = ranks.map(|[one, two]| format!("{one:5.1} {two:5.1}"));
-            println!("{:>40}  D {}  M {}  N {}", family.family, ranks[0], ranks[1], ranks[2]);
+            writeln!(text, "{:>40}  D {}  M {}  N {}", family.family, ranks[0], ranks[1], ranks[2])
+                .ok();
         }
     }
     for group in summary.faults.chunk_by(|a, b| a.kind == b.kind) {
-        println!("\n{:?}: {} trials", group[0].kind, group.len());
+        writeln!(text, "\n{:?}: {} trials", group[0].kind, group.len()).ok();
         for fault in group.iter().take(faults) {
             let record = &fault.record;
             let result = record.scores.map_or_else(
@@ -202,10 +216,13 @@ fn print(summary: &Summary, faults: usize) {
                     )
                 },
             );
-            println!(
+            writeln!(
+                text,
                 "  {} seed {}, {}, noise {}: {result}",
                 fault.family, record.world_seed, fault.condition, record.noise_seed
-            );
+            )
+            .ok();
         }
     }
+    text
 }

@@ -99,7 +99,7 @@ formats! {
     survey_ron "ron" |file| text(file).is_some_and(survey);
     difficulty_ron "ron" |file| text(file).is_some_and(difficulty);
     survey_folder "txt" |file| survey_folder(file).is_some();
-    report_json "json" |file| serde_json::from_slice::<TrialReport>(file).is_ok();
+    report_json "json" |file| std::str::from_utf8(file).is_ok_and(|text| TrialReport::from_json(text).is_ok());
     driver "txt" |file| driver(file);
     robot_ron "ron" |file| text(file).is_some_and(|text| Robot::from_ron(text).is_ok());
     trial_log "json" |file| log(file);

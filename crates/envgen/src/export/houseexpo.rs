@@ -1,8 +1,8 @@
 //! A world as a plan of the data set HouseExpo: T. Li and others, HouseExpo: A Large-scale 2D Indoor Layout Dataset
 //! for Learning-based Algorithms on Mobile Robots, arXiv:1903.09845.
 //!
-//! The format contains a single outline of free ground. It is the outline of the free cells of a grid that are
-//! connected with the start; solids inside that do not touch it are lost. At lines without thickness, such as the walls
+//! The format contains a single outline of free ground. It is the outline of those cells of a grid that are connected
+//! with the start and free as in the map for ROS; solids inside that do not touch it are lost. At lines without thickness, such as the walls
 //! of a house that was read, the outline follows the sides of cells that are nearest to the line. Start and goal are in
 //! separate fields, which other readers ignore.
 
@@ -13,10 +13,10 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::error::ExportError;
-use super::ros_map::{nearest, size_in_cells, usual_resolution};
+use super::ros_map::{nearest, occupy, size_in_cells, usual_resolution};
 use crate::flood::flood;
 use crate::geometry::{Pose, Shape};
-use crate::occupancy::{Coverage, OccupancyGrid};
+use crate::occupancy::OccupancyGrid;
 use crate::placement::max_clearance_point;
 use crate::provenance::Provenance;
 use crate::raycast::Raycaster;
@@ -55,7 +55,10 @@ pub(super) fn write(
     };
     let side = resolution.unwrap_or_else(|| usual_resolution(world));
     size_in_cells(world, side)?;
-    let grid = OccupancyGrid::of(world, side, Coverage::Conservative)?;
+    let mut grid = OccupancyGrid::empty(world.bounds, side)?;
+    for solid in world.solids() {
+        occupy(&mut grid, &solid.shape);
+    }
     let frame = grid.frame();
     let mut open: Vec<bool> = grid.cells().iter().map(|occupied| !occupied).collect();
     // Wide cells may hold the start and a wall.
@@ -105,7 +108,7 @@ fn add_cells_beside_lines(world: &World, grid: &OccupancyGrid, region: &mut [boo
     }
     let Ok(mut thick) = OccupancyGrid::empty(world.bounds, frame.cell_size) else { return };
     for solid in world.solids().filter(|solid| !is_line(&solid.shape)) {
-        thick.occupy(&solid.shape, Coverage::Conservative);
+        occupy(&mut thick, &solid.shape);
     }
     let mut at_border: Vec<bool> =
         grid.cells().iter().zip(thick.cells()).map(|(any, thick)| *any && !thick).collect();
@@ -176,8 +179,28 @@ fn outline(cols: usize, region: &[bool]) -> Vec<[usize; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::generate::{Blueprint, Spec};
     use crate::geometry::polygon_contains;
+    use crate::hallway::HallwaySpec;
+    use crate::seed::Seed;
     use proptest::prelude::*;
+
+    #[test]
+    fn an_outline_has_the_area_of_the_free_ground() {
+        // A straight hallway of 2 m by 36 m, whose walls lie on the borders of cells.
+        for seed in 1..4 {
+            let (pitch, width, wall_thickness) = (3.0, 2.0, 0.2);
+            let spec =
+                HallwaySpec { segments: 12, pitch, width, wall_thickness, ..Default::default() };
+            let world = spec.generate(Seed(seed)).unwrap().to_world();
+            let mut bytes = Vec::new();
+            write(&world, "a.house", None, &mut bytes).unwrap();
+            let house: serde_json::Value = serde_json::from_slice(&bytes).unwrap();
+            let verts: Vec<DVec2> = serde_json::from_value(house["verts"].clone()).unwrap();
+            let area = Shape::Polygon { vertices: verts }.area();
+            assert!((area - 72.0).abs() < 1e-6, "{area}");
+        }
+    }
 
     #[test]
     fn outlines_by_hand() {

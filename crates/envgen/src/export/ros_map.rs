@@ -100,31 +100,8 @@ impl RosMap {
     pub fn of_world(world: &World, resolution: f64) -> Result<Self, OccupancyError> {
         size_in_cells(world, resolution)?;
         let mut grid = OccupancyGrid::empty(world.bounds, resolution)?;
-        // Rounding must not make a box as thick as a cell count as thinner, nor let it miss all middles.
-        let margin = ROUNDING * resolution;
-        let thinnest = resolution - margin;
         for solid in world.solids() {
-            let thin = match &*solid.shape {
-                Shape::Box { half_size, .. } => 2.0 * half_size.min_element() < thinnest,
-                // A disc that is thinner than the diagonal of a cell may have no middle in it.
-                Shape::Disc { radius, .. } => 2.0 * radius < SQRT_2 * resolution,
-                // The width of a strip is a little more than twice its area over its outline.
-                Shape::Polygon { vertices } => {
-                    let outline: f64 = edges(vertices).map(|(a, b)| a.distance(b)).sum();
-                    2.0 * solid.shape.area() < thinnest * outline
-                }
-                Shape::Segment { .. } => false,
-            };
-            match &*solid.shape {
-                shape if thin => grid.occupy(shape, Coverage::Conservative),
-                &Shape::Box { center, half_size, heading }
-                    if 2.0 * half_size.min_element() < resolution + margin =>
-                {
-                    let half_size = half_size + margin;
-                    grid.occupy(&Shape::Box { center, half_size, heading }, Coverage::Centre);
-                }
-                shape => grid.occupy(shape, Coverage::Centre),
-            }
+            occupy(&mut grid, &solid.shape);
         }
         let cell = |&occupied: &bool| if occupied { RosCell::Occupied } else { RosCell::Unknown };
         let mut cells: Vec<RosCell> = grid.cells().iter().map(cell).collect();
@@ -184,6 +161,36 @@ impl RosMap {
         let mut writer = encoder.write_header().map_err(io::Error::other)?;
         writer.write_image_data(&self.greys()).map_err(io::Error::other)?;
         writer.finish().map_err(io::Error::other)
+    }
+}
+
+/// Occupies the cells of a grid whose centres lie in a shape, or that are touched by a shape that is so thin that it
+/// may miss all centres.
+pub(super) fn occupy(grid: &mut OccupancyGrid, shape: &Shape) {
+    // Rounding must not make a box as thick as a cell count as thinner, nor let it miss all middles.
+    let resolution = grid.frame().cell_size;
+    let margin = ROUNDING * resolution;
+    let thinnest = resolution - margin;
+    let thin = match shape {
+        Shape::Box { half_size, .. } => 2.0 * half_size.min_element() < thinnest,
+        // A disc that is thinner than the diagonal of a cell may have no middle in it.
+        Shape::Disc { radius, .. } => 2.0 * radius < SQRT_2 * resolution,
+        // The width of a strip is a little more than twice its area over its outline.
+        Shape::Polygon { vertices } => {
+            let outline: f64 = edges(vertices).map(|(a, b)| a.distance(b)).sum();
+            2.0 * shape.area() < thinnest * outline
+        }
+        Shape::Segment { .. } => false,
+    };
+    match shape {
+        shape if thin => grid.occupy(shape, Coverage::Conservative),
+        &Shape::Box { center, half_size, heading }
+            if 2.0 * half_size.min_element() < resolution + margin =>
+        {
+            let half_size = half_size + margin;
+            grid.occupy(&Shape::Box { center, half_size, heading }, Coverage::Centre);
+        }
+        shape => grid.occupy(shape, Coverage::Centre),
     }
 }
 

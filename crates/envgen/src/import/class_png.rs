@@ -21,6 +21,8 @@ pub fn read_class_png(input: &mut dyn Read) -> Result<ImportedRaster, RasterFile
     decoder.set_transformations(Transformations::IDENTITY);
     // Memory for MAX_CELLS pixels of the widest kind; checked against the header before it is used.
     decoder.set_limits(Limits { bytes: 1 << 30 });
+    // It may be compressed and large, and no colour is converted.
+    decoder.set_ignore_iccp_chunk(true);
     let header = decoder.read_header_info()?;
     let (rows, cols) = (u64::from(header.height), u64::from(header.width));
     check_size(rows, cols)?;

@@ -194,6 +194,8 @@ fn read_png<T>(bytes: &[u8], of: impl Fn(Shade) -> T) -> Result<GreyImage<T>, Im
     // Palettes, few bits and transparent colours become plain 8 bits; 16 bits stay.
     decoder.set_transformations(Transformations::EXPAND);
     decoder.set_limits(Limits { bytes: 1 << 30 });
+    // It may be compressed and large, and no colour is converted.
+    decoder.set_ignore_iccp_chunk(true);
     let header = decoder.read_header_info()?;
     let (width, height) = (u64::from(header.width), u64::from(header.height));
     check_size(width, height)?;

@@ -7,6 +7,7 @@ use thiserror::Error;
 use super::doors::{DoorShape, place_doors};
 use super::people::{FreeSpace, place_people};
 use super::smoke::place_smoke;
+use super::spec::MAX_SMOKE_SOURCES;
 use super::{Door, MAX_PEOPLE, PERSON_RADIUS, Person, ScenarioSpec};
 use crate::error::SpecError;
 use crate::scenario::smoke::SmokeSource;
@@ -138,6 +139,9 @@ impl Scenario {
                 let allowed = format!("a doorway without a door: doors[{other}] is in it");
                 return Err(SpecError::new("doorway", door.doorway, allowed).within(&part));
             }
+        }
+        if self.smoke.len() > MAX_SMOKE_SOURCES as usize {
+            return Err(ScenarioSpec::setting("smoke_sources").error(self.smoke.len()));
         }
         for (i, source) in self.smoke.iter().enumerate() {
             source.check(world).map_err(|error| error.within(&format!("smoke[{i}]")))?;

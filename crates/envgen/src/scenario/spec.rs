@@ -9,6 +9,9 @@ use crate::settings;
 /// The greatest number of people of a scenario.
 pub const MAX_PEOPLE: u32 = 10_000;
 
+/// The greatest number of sources of smoke.
+pub(super) const MAX_SMOKE_SOURCES: u32 = 1000;
+
 settings! {
     /// The settings of a scenario: the moving elements of a world. By default nothing moves.
     ///
@@ -54,7 +57,7 @@ settings! {
         smoke: f64 = 0.0 => number("1/m", 0.0..=100.0);
         /// Number of sources of smoke.
         #[group = "smoke"]
-        smoke_sources: u32 = 1 => integer("", 1..=1000);
+        smoke_sources: u32 = 1 => integer("", 1..=MAX_SMOKE_SOURCES as u64);
         /// Radius of the smoke of a source outside of rooms.
         smoke_radius: f64 = 3.0 => number("m", 0.1..=1000.0);
         /// Time in which smoke grows to 63 % of its density, 0 where it is there from the start.

@@ -49,14 +49,8 @@ impl Lines {
         self.cut(text.len() as u64)
     }
 
-    /// Opens the file, locks it for this process, and deletes its content.
-    pub(crate) fn emptied(folder: &Path) -> Result<Self, ExperimentError> {
-        let mut lines = Lines::lock(folder)?;
-        lines.cut(0)?;
-        Ok(lines)
-    }
-
-    fn lock(folder: &Path) -> Result<Self, ExperimentError> {
+    /// Opens the file, and locks it for this process.
+    pub(crate) fn lock(folder: &Path) -> Result<Self, ExperimentError> {
         let path = folder.join(TRIALS);
         let error = |source| ExperimentError::File { path: path.clone(), source };
         // The file is opened for appending, so that a line that was written in part and cut off leaves
@@ -77,7 +71,7 @@ impl Lines {
     }
 
     /// Keeps only the first bytes of the file.
-    fn cut(&mut self, len: u64) -> Result<(), ExperimentError> {
+    pub(crate) fn cut(&mut self, len: u64) -> Result<(), ExperimentError> {
         let error = |source| ExperimentError::File { path: self.path.clone(), source };
         self.file.set_len(len).map_err(error)?;
         self.len = len;

@@ -85,12 +85,18 @@ impl Experiment {
         shard.validate()?;
         write::folder(folder)?;
         // Results that this program cannot make again are not deleted.
+        let content = |reason| ExperimentError::Content { path: folder.to_owned(), reason };
         if folder.join(head::SURVEY).exists() {
-            let reason = format!("it holds a survey: {}", head::SURVEY);
-            return Err(ExperimentError::Content { path: folder.to_owned(), reason });
+            return Err(content(format!("it holds a survey: {}", head::SURVEY)));
         }
         // The file is locked before anything is deleted, since another process may be writing.
-        let lines = Lines::emptied(folder)?;
+        let mut lines = Lines::lock(folder)?;
+        if !lines.is_empty() && !folder.join(HEAD.file).exists() {
+            return Err(content(format!("there are trials, but no {}, in it", HEAD.file)));
+        }
+        // Reports of the earlier experiment would pass for those of this one.
+        write::remove_report(folder)?;
+        lines.cut(0)?;
         let head = Head { version: EXPERIMENT_VERSION, shard, design: design.clone() };
         head::write(&folder.join(HEAD.file), &head)?;
         let (folder, trials) = (folder.to_owned(), share(&head));

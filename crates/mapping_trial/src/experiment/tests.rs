@@ -250,8 +250,16 @@ fn folders_of_other_experiments_are_refused() {
     fs::remove_file(&head).unwrap();
     fs::write(folder.path().join("trials.jsonl"), "a trial\n").unwrap();
     assert!(open(&design, Shard::WHOLE).contains("no experiment.json"));
+    // Trials that this program cannot make again are not deleted.
+    let foreign = Experiment::fresh(folder.path(), &design, Shard::WHOLE).expect_err("foreign");
+    assert!(foreign.to_string().contains("no experiment.json"), "{foreign}");
+    assert_eq!(fs::read(folder.path().join("trials.jsonl")).unwrap(), b"a trial\n");
+    fs::write(&head, "no json").unwrap();
+    let old = folder.path().join("report.html");
+    fs::write(&old, "an earlier report").unwrap();
     // A new experiment works, but not while another process writes to this one.
     drop(Experiment::fresh(folder.path(), &design, Shard::WHOLE).expect("a folder"));
+    assert!(!old.exists(), "it would pass for that of the new experiment");
     let running = run(folder.path(), &design, Shard::WHOLE, 2);
     let lines = folder.path().join("trials.jsonl");
     let (head_before, lines_before) = (fs::read(&head).unwrap(), fs::read(&lines).unwrap());

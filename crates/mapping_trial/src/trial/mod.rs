@@ -24,7 +24,7 @@ pub use log::{LOG_VERSION, LogError, TrialLog};
 pub use log_world::LogWorld;
 pub use observer::{Moment, TrialObserver};
 pub use parts::{ForeignPart, PartRole, Setup, TrialParts};
-pub use report::{REPORT_VERSION, RobotReport, TrialReport};
+pub use report::{REPORT_VERSION, ReportError, RobotReport, TrialReport};
 pub use running::{Trajectory, Trial};
 pub use settings::{MAX_ROBOTS, MIN_TIME_BY_AREA, TrialSettings};
 #[cfg(feature = "experiment")]

@@ -4,6 +4,7 @@ use envgen::calibration::Dials;
 use envgen::scenario::Scenario;
 use envgen::{Provenance, World};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use super::end::EndReason;
 use super::parts::{ForeignPart, PartRole};
@@ -56,7 +57,41 @@ pub struct TrialReport {
     pub feedback: Option<Feedback>,
 }
 
+/// The reasons why a report could not be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// The text is not a report.
+    #[error("this is not the report of a trial: {0}")]
+    Json(#[from] serde_json::Error),
+    /// The report has another version.
+    #[error("a report of version {found}, expected version {REPORT_VERSION}")]
+    Version {
+        /// The version of the report.
+        found: u64,
+    },
+}
+
 impl TrialReport {
+    /// Reads a report.
+    ///
+    /// # Errors
+    ///
+    /// If the text is not a report, or if it is of another version.
+    pub fn from_json(text: &str) -> Result<Self, ReportError> {
+        /// A report of another version has other fields.
+        #[derive(Deserialize)]
+        struct AnyVersion {
+            version: u64,
+        }
+        match serde_json::from_str(text) {
+            Ok(AnyVersion { version }) if version != u64::from(REPORT_VERSION) => {
+                Err(ReportError::Version { found: version })
+            }
+            _ => Ok(serde_json::from_str(text)?),
+        }
+    }
+
     /// Returns the answers to the form's questions about the session, as far as the report knows them.
     pub fn session(&self) -> Session {
         Session::new(&self.world.name(), self.robots.len(), &self.settings.body)

@@ -70,12 +70,12 @@ fn doors(world: &World, scenario: &Scenario) -> Result<(World, Vec<String>), Fai
     let behind = match scenario.behind_doors(world, radius) {
         // The scenario fits the world: it is too large.
         Err(error) => vec![format!("not decided what depends on single doors: {error}")],
-        Ok(behind) => behind.iter().map(|behind| describe(world, behind)).collect(),
+        Ok(behind) => behind.iter().map(|behind| describe(world, scenario, behind)).collect(),
     };
     Ok((open, behind))
 }
 
-fn describe(world: &World, behind: &BehindDoor) -> String {
+fn describe(world: &World, scenario: &Scenario, behind: &BehindDoor) -> String {
     let room = |&room: &u32| format!("room {room} ({})", world.rooms[room as usize].name);
     let mut places: Vec<String> = behind.rooms.iter().map(room).collect();
     let kind = |&index: &u32| match world.surfaces[index as usize].kind {
@@ -86,7 +86,8 @@ fn describe(world: &World, behind: &BehindDoor) -> String {
     if behind.goal {
         places.push("the goal".to_owned());
     }
-    format!("only through doors[{}]: {}", behind.door, places.join(", "))
+    let doorway = scenario.doors[behind.door].doorway;
+    format!("only through doors[{}] in doorway {doorway}: {}", behind.door, places.join(", "))
 }
 
 fn print(

@@ -58,8 +58,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Array, PlanError> {
         let place = if by_columns { (i % cols) * rows + i / cols } else { i };
         let bytes = &data[place * element.size..][..element.size];
         values.push(element.value(bytes).ok_or_else(|| {
-            let field = format!("element {i}");
-            PlanError::value(&field, format!("{bytes:02x?}"), "a whole number")
+            let field = format!("element ({}, {})", i / cols, i % cols);
+            PlanError::value(&field, element.float(bytes), "a whole number")
         })?);
     }
     Ok(Array { cols, values })
@@ -100,23 +100,37 @@ impl Element {
         Ok(Element { kind, size, is_big_endian: order == b'>' })
     }
 
-    fn value(&self, bytes: &[u8]) -> Option<i64> {
+    fn bits(&self, bytes: &[u8]) -> u64 {
         let mut word = [0; 8];
         word[..self.size].copy_from_slice(bytes);
         if self.is_big_endian {
             word[..self.size].reverse();
         }
-        let bits = u64::from_le_bytes(word);
-        let whole =
-            |value: f64| (value.trunc() == value && value.abs() < 9e15).then_some(value as i64);
+        u64::from_le_bytes(word)
+    }
+
+    /// Returns a float, or an unsigned integer.
+    fn float(&self, bytes: &[u8]) -> f64 {
+        let bits = self.bits(bytes);
         match (self.kind, self.size) {
-            (b'f', 4) => whole(f64::from(f32::from_bits(bits as u32))),
-            (b'f', _) => whole(f64::from_bits(bits)),
-            (b'i', size) => {
-                let unused = 64 - 8 * size as u32;
-                Some((bits << unused) as i64 >> unused)
+            (b'f', 4) => f64::from(f32::from_bits(bits as u32)),
+            (b'f', _) => f64::from_bits(bits),
+            _ => bits as f64,
+        }
+    }
+
+    /// Returns the whole number of an element.
+    fn value(&self, bytes: &[u8]) -> Option<i64> {
+        match self.kind {
+            b'f' => {
+                let value = self.float(bytes);
+                (value.trunc() == value && value.abs() < 9e15).then_some(value as i64)
             }
-            _ => i64::try_from(bits).ok(),
+            b'i' => {
+                let unused = 64 - 8 * self.size as u32;
+                Some((self.bits(bytes) << unused) as i64 >> unused)
+            }
+            _ => i64::try_from(self.bits(bytes)).ok(),
         }
     }
 }

@@ -4,8 +4,8 @@ use std::error::Error;
 
 use clap::Args;
 
+use crate::json;
 use crate::panel::PanelOptions;
-use crate::stdout;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -16,5 +16,5 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn Error>> {
     let panel = arguments.panel.panel()?;
     let scale = arguments.panel.scale(&panel, threads)?;
-    stdout::print_json(&scale)
+    json::print(&scale)
 }

@@ -18,7 +18,7 @@ use mapping_trial::names::printable;
 use mapping_trial::trial::{TrialLog, TrialReport};
 use serde::Serialize;
 
-use crate::stdout;
+use crate::{json, stdout};
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -88,13 +88,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         navigation: ratings(|s| s.ratings.navigation, |s| s.panel.dials.navigation.value),
     };
     let links = Links { sessions, left_out, links };
-    if arguments.json { stdout::print_json(&links) } else { Ok(stdout::print(&text(&links))?) }
+    if arguments.json { json::print(&links) } else { Ok(stdout::print(&text(&links))?) }
 }
 
 /// Reads a session, or returns why it is not linked.
 fn session(path: &Path) -> Result<Result<Session, String>, Box<dyn Error>> {
     let text = text_file::read(path).in_file(path)?;
-    let report: TrialReport = serde_json::from_str(&text).in_file(path)?;
+    let report: TrialReport = TrialReport::from_json(&text).in_file(path)?;
     // The absolute path is needed, since a name alone has no folder.
     let whole = std::path::absolute(path).in_file(path)?;
     let folder = whole.parent().and_then(Path::file_name).unwrap_or_default();

@@ -7,6 +7,7 @@ mod anchors;
 mod atlas;
 mod calibrate;
 mod generate;
+mod json;
 mod levers;
 mod link;
 mod measure;

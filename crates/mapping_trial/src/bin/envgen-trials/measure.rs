@@ -16,8 +16,8 @@ use serde::Serialize;
 
 use crate::panel::PanelOptions;
 use crate::progress::Progress;
-use crate::stdout;
 use crate::warning::{warn_of_coverage, warn_of_map};
+use crate::{json, stdout};
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -87,7 +87,7 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     let percentiles = calibration.and_then(|known| known.atlas.percentiles(values));
     let prediction = calibration.and_then(|known| predict(known, &world));
     let report = Report { world: world.provenance.name(), measurement, percentiles, prediction };
-    if arguments.json { stdout::print_json(&report) } else { Ok(stdout::print(&text(&report))?) }
+    if arguments.json { json::print(&report) } else { Ok(stdout::print(&text(&report))?) }
 }
 
 fn predict(calibration: &Calibration, world: &World) -> Option<Prediction> {

@@ -22,9 +22,9 @@ use serde::Serialize;
 
 use crate::spinner::spinner;
 use crate::start_argument::start;
-use crate::stdout;
 use crate::usage::Usage;
 use crate::warning::{warn, warn_of_map};
+use crate::{json, stdout};
 
 /// Least fraction of a map's free cells that have to be ground for no warning.
 const LEAST_GROUND: f64 = 0.5;
@@ -167,8 +167,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let is_ground = ground_share(&ros_map, &map);
     let trajectory = if robots.is_empty() { None } else { Some(score(&robots, frame)?) };
     spinner.finish_and_clear();
-    let has_walls = ros_map.cells.contains(&RosCell::Occupied);
-    if has_walls && map.precision_30 < LEAST_PRECISION {
+    let has = |cell| ros_map.cells.contains(&cell);
+    if !has(RosCell::Free) {
+        warn("the map has no free cell: check `mode`, `negate` and `free_thresh`");
+    } else if has(RosCell::Occupied) && map.precision_30 < LEAST_PRECISION {
         let options = match (arguments.frame, arguments.fit) {
             (Frame::World, false) => "check --frame, or use --fit if the frame is known roughly",
             (Frame::World, true) => "check --frame",
@@ -197,7 +199,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         mapping: trajectory.as_ref().map(|trajectory| map.mapping(&trajectory.as_is)),
         trajectory,
     };
-    if arguments.json { stdout::print_json(&report) } else { Ok(stdout::print(&text(&report))?) }
+    if arguments.json { json::print(&report) } else { Ok(stdout::print(&text(&report))?) }
 }
 
 /// The fraction of a map's free cells that are ground which the robot can cover.

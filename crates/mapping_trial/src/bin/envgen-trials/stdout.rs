@@ -1,10 +1,8 @@
-//! Output to stdout.
+//! Output to stdout. The examples use it as well.
 
-use std::error::Error;
 use std::io::{self, ErrorKind, Write};
 
 use envgen::located::Located;
-use serde::Serialize;
 
 /// Writes a text to stdout. It is no error if the reader closes stdout early, as `head` does.
 pub(crate) fn print(text: &str) -> Result<(), Located<io::Error>> {
@@ -15,9 +13,4 @@ pub(crate) fn print(text: &str) -> Result<(), Located<io::Error>> {
         }
         _ => Ok(()),
     }
-}
-
-/// Writes a value to stdout as JSON.
-pub(crate) fn print_json<T: Serialize>(value: &T) -> Result<(), Box<dyn Error>> {
-    Ok(print(&format!("{}\n", serde_json::to_string_pretty(value)?))?)
 }

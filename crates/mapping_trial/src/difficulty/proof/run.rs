@@ -228,7 +228,14 @@ fn merge_races(
         return Err(ExperimentError::Incomplete { missing, all, first: race_of(first.seed) });
     }
     write::folder(folder)?;
-    let (mut file, _) = Lines::open(folder)?;
+    let (mut file, earlier) = Lines::open(folder)?;
+    // Races that the shares do not have are not lost.
+    for (seed, spec) in winners(&earlier, &file.path)? {
+        if known.get(&seed) != Some(&spec) {
+            let reason = format!("it has another winner in {}, or another proof", race_of(seed));
+            return Err(ExperimentError::Content { path: file.path.clone(), reason });
+        }
+    }
     let mut text = Vec::new();
     for map in maps {
         if let Some(spec) = known.remove(&map.seed) {
@@ -273,6 +280,31 @@ fn winners(text: &str, path: &Path) -> Result<BTreeMap<Seed, IndoorSpec>, Experi
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn races_of_another_proof_are_not_lost() {
+        let design = ProofDesign { footprints: vec![8], verified: 2, ..ProofDesign::quick() };
+        let fewer = ProofDesign { verified: 1, ..design.clone() };
+        let (own, share) = (tempfile::tempdir().expect("a"), tempfile::tempdir().expect("b"));
+        let fill = |folder: &Path, design: &ProofDesign| {
+            let (mut file, _) = Lines::open(folder).expect("a file");
+            for map in design.maps(Part::Verified) {
+                file.append(&Winner { seed: map.seed, spec: map.spec }).expect("a winner");
+            }
+        };
+        let folder = own.path().join(RACE);
+        for (path, design) in [(&folder, &design), (&share.path().join(RACE), &fewer)] {
+            write::folder(path).expect("a folder");
+            fill(path, design);
+        }
+        let before = lines::read(&folder).expect("races").0;
+        let shares = [share.path().to_owned()];
+        let merged = |into: &Path| merge_races(&mut fewer.maps(Part::Verified), into, &shares);
+        let error = merged(&folder).expect_err("two races for one").to_string();
+        assert!(error.contains("another proof"), "{error}");
+        assert_eq!(lines::read(&folder).expect("races").0, before);
+        merged(&own.path().join("new")).expect("an empty folder");
+    }
 
     #[test]
     fn noise_is_what_trials_of_a_condition_differ_by() {

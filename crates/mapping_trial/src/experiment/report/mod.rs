@@ -23,8 +23,7 @@ use super::stats::{Analysis, analyse};
 use super::store::Experiment;
 use super::{table, write as files};
 
-/// The files of a report, in the experiment's folder.
-pub const FILES: [&str; 4] = ["report.html", "summary.json", "trials.csv", "trials.parquet"];
+pub use super::write::REPORT as FILES;
 
 /// The statistics in the file.
 #[derive(Serialize)]
