@@ -149,6 +149,10 @@ pub(crate) fn spawn_page(
     let mut entities = Vec::new();
     let mut solids = Vec::new();
     for run in parts.chunk_by(|a, b| a.kind == b.kind) {
+        // An observer of the tile or its parts may have despawned it. Parts without it would never be removed.
+        if world.get_entity(ancestors.tile).is_err() {
+            break;
+        }
         if layout.solids == SolidStorage::TileData && run[0].kind.is_solid() {
             solids.extend(run.iter().filter_map(|&part| solid(frame, &plan.world, part)));
         } else {
@@ -175,6 +179,8 @@ pub(crate) fn spawn_trees(
     let id = |index| PartId { kind: PartKind::Tree, tile: key.at, index };
     let trees = (first as u32..).map(id).zip(trees);
     let parts = match layout.solids {
+        // An observer of the tile has despawned it.
+        _ if world.get_entity(ancestors.tile).is_err() => Vec::new(),
         SolidStorage::Entities => world
             .spawn_batch(trees.map(|(id, tree)| {
                 let component = Tree { radius: tree.radius as f32 };
@@ -217,10 +223,12 @@ fn spawn_tile(
     Some(Ancestors { environment, tile, global })
 }
 
-/// Stores solid parts as data of a tile.
+/// Stores solid parts as data of a tile, if it still exists.
 fn store_solids(world: &mut World, tile: Entity, solids: Vec<SolidPart>) {
-    if !solids.is_empty() {
-        world.entity_mut(tile).insert(TileSolids(solids));
+    if let Ok(mut tile) = world.get_entity_mut(tile)
+        && !solids.is_empty()
+    {
+        tile.insert(TileSolids(solids));
     }
 }
 
@@ -237,9 +245,12 @@ fn solid(frame: LocalFrame, truth: &EnvgenWorld, part: PartRef) -> Option<SolidP
     Some(SolidPart { id, transform, shape, height: Some(extent.into()) })
 }
 
-/// Triggers [`TileSpawned`], so that observers can add components to the new parts.
+/// Triggers [`TileSpawned`], so that observers can add components to the new parts of a tile that still exists.
 fn trigger_spawned(world: &mut World, ancestors: Ancestors, parts: Vec<Entity>) {
     let Ancestors { environment, tile, .. } = ancestors;
+    if world.get_entity(tile).is_err() {
+        return;
+    }
     world.trigger(TileSpawned { environment, tile, parts });
     world.flush();
 }

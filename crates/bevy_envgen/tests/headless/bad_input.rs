@@ -5,6 +5,7 @@ use bevy_envgen::envgen::forest::ForestSpec;
 use bevy_envgen::envgen::glam::DVec2;
 use bevy_envgen::envgen::hallway::HallwaySpec;
 use bevy_envgen::envgen::{Seed, WorldSpec};
+use bevy_envgen::part::Start;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, parts, spawn_ready, step, test_app, wait_until_ready};
 use bevy_envgen::{EnvironmentError, MAX_PARTS, SpawnedOrigin, Tile};
@@ -164,6 +165,48 @@ fn observers_may_despawn_what_was_just_spawned() {
         } else {
             assert_eq!((spawned(&mut app), in_rapier(&mut app)), (0, (0, 0)), "{what}");
         }
+    }
+}
+
+#[test]
+fn observers_may_despawn_a_tile_before_its_parts() {
+    fn despawn<C: Component>(added: On<Add, C>, mut commands: Commands) {
+        commands.entity(added.entity).try_despawn();
+    }
+    fn despawn_parent(added: On<Add, Start>, above: Query<&ChildOf>, mut commands: Commands) {
+        if let Ok(above) = above.get(added.entity) {
+            commands.entity(above.parent()).try_despawn();
+        }
+    }
+    let observers: [fn(&mut App); 2] =
+        [|app| _ = app.add_observer(despawn::<Tile>), |app| _ = app.add_observer(despawn_parent)];
+    for (observe, solids, is_endless) in observers.into_iter().flat_map(|observe| {
+        [SolidStorage::TileData, SolidStorage::Entities]
+            .into_iter()
+            .flat_map(move |solids| [false, true].map(|endless| (observe, solids, endless)))
+    }) {
+        let mut app = test_app();
+        observe(&mut app);
+        let indoor = Environment::new(IndoorSpec::default(), 1).with_solids(solids);
+        let forest = Environment::new(ForestSpec::default(), 1).with_solids(solids);
+        let roots = if is_endless {
+            let anchor = app.world_mut().spawn(Transform::default()).id();
+            let around = StreamAround::new(anchor, 20.0);
+            let endless = forest.clone().endless(10.0);
+            [(endless, around), (indoor, around)].map(|root| app.world_mut().spawn(root).id())
+        } else {
+            [forest, indoor].map(|root| app.world_mut().spawn(root).id())
+        };
+        for root in roots {
+            // The world is complete as if its tiles had been despawned later.
+            wait_until_ready(&mut app, root).unwrap();
+            let mut orphans =
+                app.world_mut().query_filtered::<(), (With<PartId>, Without<ChildOf>)>();
+            assert_eq!(orphans.iter(app.world()).count(), 0, "{solids:?} {is_endless}");
+            app.world_mut().despawn(root);
+        }
+        step(&mut app, 2);
+        assert_eq!((spawned(&mut app), in_rapier(&mut app)), (0, (0, 0)), "{solids:?}");
     }
 }
 
