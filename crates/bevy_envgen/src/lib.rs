@@ -98,6 +98,8 @@ mod height;
 mod job;
 mod landmarks;
 mod one_thread;
+#[cfg(any(feature = "physics", feature = "render3d"))]
+mod overhead;
 pub mod part;
 #[cfg(feature = "physics")]
 pub mod physics;
@@ -265,6 +267,8 @@ impl Plugin for EnvgenCorePlugin {
                 (generate::watch_transforms, landmarks::follow_environments)
                     .after(TransformSystems::Propagate),
             );
+        #[cfg(any(feature = "physics", feature = "render3d"))]
+        app.add_observer(overhead::forget_overhead);
         require_component::<Environment, job::GenerationJob>(app);
     }
 }

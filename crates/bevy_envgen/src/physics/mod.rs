@@ -30,8 +30,9 @@ pub use settings::{
 pub use setup::TopDownPhysicsPlugin;
 
 use self::settings::settings_of;
-use crate::environment::{EnvironmentStats, GroundTruth};
+use crate::environment::EnvironmentStats;
 use crate::height::HeightRange;
+use crate::overhead::{Overhead, find_overhead};
 use crate::part::{Doorway, PartId, PartKind};
 use crate::shape::PartShape;
 use crate::spawn::{Tile, TileSolids, TileSpawned};
@@ -64,7 +65,8 @@ impl Plugin for EnvgenPhysicsPlugin {
             .register_type::<EnvironmentColliders>()
             .add_message::<PersonCollision>()
             .add_observer(collide)
-            .add_observer(collide_again)
+            .add_observer(collide_with_own)
+            .add_observer(collide_with_shared)
             .add_observer(clones::lose_body)
             .add_observer(clones::lose_collider)
             .add_observer(height::filter_contacts)
@@ -114,41 +116,55 @@ fn collide(spawned: On<TileSpawned>, mut commands: Commands) {
 #[derive(Component)]
 struct PartCollider;
 
-/// Replaces the colliders of an environment.
-fn collide_again(inserted: On<Insert, EnvironmentColliders>, mut commands: Commands) {
+/// Replaces the colliders of an environment by those of its new settings.
+fn collide_with_own(inserted: On<Insert, EnvironmentColliders>, mut commands: Commands) {
     let environment = inserted.entity;
+    commands.queue(move |world: &mut World| collide_again(world, environment));
+}
+
+/// Replaces the colliders of an environment whose own settings are removed by those of the resource.
+fn collide_with_shared(removed: On<Remove, EnvironmentColliders>, mut commands: Commands) {
+    let environment = removed.entity;
     commands.queue(move |world: &mut World| {
-        let children = |world: &World, parent: Entity| -> Vec<Entity> {
-            world.get::<Children>(parent).map_or_else(Vec::new, |children| children.to_vec())
-        };
-        let tiles = children(world, environment).into_iter();
-        let tiles: Vec<_> = tiles.filter(|&tile| world.get::<Tile>(tile).is_some()).collect();
-        for tile in tiles {
-            let below = children(world, tile);
-            let parts: Vec<_> =
-                below.iter().copied().filter(|&part| world.get::<PartId>(part).is_some()).collect();
-            let own: Vec<_> = parts.iter().flat_map(|&part| children(world, part)).collect();
-            for entity in below.into_iter().chain(own) {
-                if world.get::<PartCollider>(entity).is_some() {
-                    world.despawn(entity);
-                }
-            }
-            // Rapier does not notice a collider that is removed and inserted at once, so existing colliders
-            // are overwritten.
-            let had = parts.iter().copied().chain([tile]);
-            let had: Vec<_> = had.filter(|&e| world.get::<Collider>(e).is_some()).collect();
-            let before = world.increment_change_tick();
-            give_colliders(world, &TileSpawned { environment, tile, parts });
-            let now = world.increment_change_tick();
-            for entity in had {
-                let collider = world.entity(entity).get_ref::<Collider>();
-                let is_new = |new: Ref<'_, Collider>| new.last_changed().is_newer_than(before, now);
-                if !collider.is_some_and(is_new) {
-                    world.entity_mut(entity).remove::<OfCollider>();
-                }
-            }
+        // The environment may be despawned, or have other settings already.
+        if world.get::<EnvironmentColliders>(environment).is_none() {
+            collide_again(world, environment);
         }
     });
+}
+
+/// Replaces the colliders of an environment, if it still exists.
+fn collide_again(world: &mut World, environment: Entity) {
+    let children = |world: &World, parent: Entity| -> Vec<Entity> {
+        world.get::<Children>(parent).map_or_else(Vec::new, |children| children.to_vec())
+    };
+    let tiles = children(world, environment).into_iter();
+    let tiles: Vec<_> = tiles.filter(|&tile| world.get::<Tile>(tile).is_some()).collect();
+    for tile in tiles {
+        let below = children(world, tile);
+        let parts: Vec<_> =
+            below.iter().copied().filter(|&part| world.get::<PartId>(part).is_some()).collect();
+        let own: Vec<_> = parts.iter().flat_map(|&part| children(world, part)).collect();
+        for entity in below.into_iter().chain(own) {
+            if world.get::<PartCollider>(entity).is_some() {
+                world.despawn(entity);
+            }
+        }
+        // Rapier does not notice a collider that is removed and inserted at once, so existing colliders
+        // are overwritten.
+        let had = parts.iter().copied().chain([tile]);
+        let had: Vec<_> = had.filter(|&e| world.get::<Collider>(e).is_some()).collect();
+        let before = world.increment_change_tick();
+        give_colliders(world, &TileSpawned { environment, tile, parts });
+        let now = world.increment_change_tick();
+        for entity in had {
+            let collider = world.entity(entity).get_ref::<Collider>();
+            let is_new = |new: Ref<'_, Collider>| new.last_changed().is_newer_than(before, now);
+            if !collider.is_some_and(is_new) {
+                world.entity_mut(entity).remove::<OfCollider>();
+            }
+        }
+    }
 }
 
 /// The components that an entity has because of its collider.
@@ -207,13 +223,18 @@ fn give_colliders(world: &mut World, spawned: &TileSpawned) {
         world
             .insert_batch(colliders.into_iter().map(|(part, collider)| (part, (collider, sensor))));
     }
-    let lintels = lintels(world, spawned.environment, settings);
+    if settings.lintels {
+        let has_lintel = |kind| kind == PartKind::Doorway;
+        find_overhead(world, spawned.environment, &spawned.parts, has_lintel);
+    }
     for doorway in of_kind(|kind| kind == PartKind::Doorway) {
         close(world, doorway, settings.door_groups);
         let index = world.get::<PartId>(doorway).map_or(0, |part| part.index as usize);
+        let known = world.get::<Overhead>(spawned.environment).filter(|_| settings.lintels);
+        let lintel = known.and_then(|known| *known.lintels.get(index)?);
         let shape = world.get::<PartShape>(doorway).and_then(collider::collider);
-        if let (Some(Some(lintel)), Some(collider)) = (lintels.get(index), shape) {
-            let height = HeightRange::from(*lintel);
+        if let (Some(lintel), Some(collider)) = (lintel, shape) {
+            let height = HeightRange::from(lintel);
             add_below(world, doorway, "lintel", (collider, height, settings.solid_groups));
         }
     }
@@ -247,16 +268,6 @@ fn add_below(world: &mut World, parent: Entity, name: &'static str, collider: im
         above,
         collider,
     ));
-}
-
-/// Returns the lintels of the doorways of an environment, if the settings ask for them.
-fn lintels(
-    world: &World,
-    environment: Entity,
-    settings: ColliderSettings,
-) -> Vec<Option<envgen::world::Extent>> {
-    let truth = world.get::<GroundTruth>(environment).filter(|_| settings.lintels);
-    truth.map_or_else(Vec::new, |truth| truth.lintels())
 }
 
 /// Returns the colliders of the parts that have an extent.

@@ -98,9 +98,11 @@ impl Default for ColliderSettings {
     }
 }
 
-/// A component with the [`ColliderSettings`] of a single environment, on its entity. Inserting it replaces
-/// the colliders of the existing parts, and all components of these colliders.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
+/// A component with the [`ColliderSettings`] of a single environment, on its entity. To change it, insert another;
+/// without it, the resource applies. Inserting or removing it replaces the colliders of the existing parts, and all
+/// components of these colliders.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deref, Reflect)]
+#[component(immutable)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 pub struct EnvironmentColliders(pub ColliderSettings);
 

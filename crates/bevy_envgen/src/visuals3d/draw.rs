@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use bevy::prelude::*;
 use envgen::mesh::Mesh as Solid;
 use envgen::pieces::pieces_of;
-use envgen::world::Extent;
 
 use super::draft::Draft;
 use super::finish::Finish;
@@ -17,19 +16,12 @@ use super::tile::{TileMesh, is_shown};
 use super::{marks, stage, trees};
 use crate::environment::GroundTruth;
 use crate::job::spawned_origin;
-use crate::part::{Ground, PartId, PartKind};
+use crate::overhead::{Overhead, find_overhead};
+use crate::part::{Ground, PartKind};
 use crate::shape::PartShape;
 use crate::spawn::TileSpawned;
 use crate::visuals::color;
 use crate::visuals::ground::class_rectangles;
-
-/// A component with the lintels and the height of the ceilings of an environment's world, which are computed
-/// from all its walls.
-#[derive(Component)]
-struct Overhead {
-    lintels: Vec<Option<Extent>>,
-    wall_top: f64,
-}
 
 /// Draws the parts of a tile.
 pub(super) fn draw(spawned: On<TileSpawned>, mut commands: Commands) {
@@ -42,7 +34,8 @@ fn add_meshes(world: &mut World, spawned: &TileSpawned) {
     if !can_draw(world) || world.get_entity(spawned.tile).is_err() {
         return;
     }
-    find_overhead(world, spawned);
+    let has_top = |kind| matches!(kind, PartKind::Doorway | PartKind::Room | PartKind::Surface);
+    find_overhead(world, spawned.environment, &spawned.parts, has_top);
     for (finish, draft) in drafts(world, spawned) {
         let Some(material) = material(world, finish) else { return };
         let mesh = world.resource_mut::<Assets<Mesh>>().add(draft.into_mesh());
@@ -57,26 +50,6 @@ fn add_meshes(world: &mut World, spawned: &TileSpawned) {
         ));
     }
     trees::plant(world, spawned);
-}
-
-/// Computes the lintels and the height of the ceilings of the world, if the tile has doorways or floors.
-fn find_overhead(world: &mut World, spawned: &TileSpawned) {
-    let is_below = |&part: &Entity| {
-        world.get::<PartId>(part).is_some_and(|id| {
-            matches!(id.kind, PartKind::Doorway | PartKind::Room | PartKind::Surface)
-        })
-    };
-    let Some(truth) = world.get::<GroundTruth>(spawned.environment) else { return };
-    if world.get::<Overhead>(spawned.environment).is_some() || !spawned.parts.iter().any(is_below) {
-        return;
-    }
-    let (lintels, wall_top) = (truth.lintels(), truth.wall_top());
-    world.entity_mut(spawned.environment).insert(Overhead { lintels, wall_top });
-}
-
-/// Removes the component when the world is removed.
-pub(super) fn forget_overhead(gone: On<Discard, GroundTruth>, mut commands: Commands) {
-    commands.entity(gone.entity).try_remove::<Overhead>();
 }
 
 /// Returns the bodies of a tile by finish, without trees.

@@ -93,7 +93,6 @@ impl Plugin for EnvgenVisuals3dPlugin {
             .init_resource::<moving::FigureMesh>()
             .init_resource::<moving::SharedLeafMesh>()
             .add_observer(draw::draw)
-            .add_observer(draw::forget_overhead)
             .add_observer(moving::draw_person)
             .add_observer(moving::draw_figure)
             .add_observer(moving::draw_leaf)

@@ -29,7 +29,7 @@ type Needing = (
 type Renewed = Or<(Changed<MappingTrial>, Changed<EnvironmentColliders>)>;
 
 /// Replaces the colliders of trials that have begun by those that they need, also after an app has inserted
-/// others.
+/// others or removed them.
 pub(super) fn replace(
     trials: Query<Needing, Renewed>,
     settings: Option<Res<ColliderSettings>>,
@@ -52,6 +52,16 @@ pub(super) fn replace(
     }
 }
 
+/// Makes [`replace`] visit a trial whose colliders an app has removed, which no filter of queries finds.
+pub(super) fn notice_removal(
+    removed: On<Remove, EnvironmentColliders>,
+    mut trials: Query<&mut MappingTrial>,
+) {
+    if let Ok(mut trial) = trials.get_mut(removed.entity) {
+        trial.set_changed();
+    }
+}
+
 /// Restores the colliders of an environment when its trial is removed.
 pub(super) fn give_back(gone: On<Discard, MappingTrial>, mut commands: Commands) {
     restore(gone.entity, &mut commands);
@@ -70,17 +80,15 @@ pub(super) fn give_to_clones(
 
 fn restore(entity: Entity, commands: &mut Commands) {
     commands.queue(move |world: &mut World| {
-        let others = world.get_resource::<ColliderSettings>().copied().unwrap_or_default();
         let Ok(mut root) = world.get_entity_mut(entity) else { return };
         let Some(ReplacedColliders { before, during }) = root.take() else { return };
         if root.get() != Some(&during) {
             return;
         }
-        // Existing colliders are replaced only when the component is inserted.
-        root.insert(before.unwrap_or(EnvironmentColliders(others)));
-        if before.is_none() {
-            root.remove::<EnvironmentColliders>();
-        }
+        match before {
+            Some(before) => root.insert(before),
+            None => root.remove::<EnvironmentColliders>(),
+        };
     });
 }
 

@@ -50,6 +50,7 @@ impl Plugin for TrialPlugin {
             .register_type::<TrialRobot>()
             .add_observer(run::leave)
             .add_observer(colliders::give_back)
+            .add_observer(colliders::notice_removal)
             .add_observer(colliders::give_to_clones)
             .add_observer(run::lose_world)
             .add_observer(scenario::give_back)

@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_envgen::HeightRange;
-use bevy_envgen::bevy_rapier2d::prelude::{Collider, RigidBody};
+use bevy_envgen::bevy_rapier2d::prelude::{Collider, Friction, RigidBody};
 use bevy_envgen::physics::{ColliderMerging, ColliderSettings, EnvironmentColliders};
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{in_rapier, spawn_ready, step, test_app_with};
@@ -211,6 +211,16 @@ fn a_trial_keeps_the_colliders_that_it_needs_and_then_gives_them_back() {
         app.world_mut().entity_mut(root).remove::<MappingTrial>();
         step(&mut app, 3);
         assert_eq!(colliders(&app), Some(EnvironmentColliders(others)));
+        // The app removes the colliders during the trial.
+        app.world_mut().entity_mut(root).insert(trial_of(robot(1.0, 0.8)));
+        step(&mut app, 3);
+        app.world_mut().entity_mut(root).remove::<EnvironmentColliders>();
+        step(&mut app, 3);
+        let during = ColliderSettings { full_height: 0.8, ..ColliderSettings::for_trials() };
+        assert_eq!(colliders(&app), Some(EnvironmentColliders(during)));
+        app.world_mut().entity_mut(root).remove::<MappingTrial>();
+        step(&mut app, 3);
+        assert_eq!(colliders(&app), None);
     }
 }
 
@@ -233,6 +243,35 @@ fn other_settings_replace_the_colliders_that_are_there() {
     assert_eq!(colliders(ColliderSettings { lintels: true, ..single }), 8);
     assert_eq!(colliders(ColliderSettings { lintels: true, sensors: false, ..merged }), 2);
     assert_eq!(colliders(single), 7);
+}
+
+#[test]
+fn colliders_of_an_environment_without_its_own_settings_have_those_of_the_resource() {
+    for merge in [ColliderMerging::Always, ColliderMerging::Never] {
+        let mut app = test_app_with(EnvgenPlugins::default());
+        let world = Environment::prebuilt(with_doorway());
+        let root = spawn_ready(&mut app, world).unwrap();
+        app.insert_resource(ColliderSettings { merge, ..default() });
+        let frictions = |app: &mut App| {
+            let mut solids = app.world_mut().query_filtered::<&Friction, With<Collider>>();
+            let mut found: Vec<f32> = solids.iter(app.world()).map(|one| one.coefficient).collect();
+            found.dedup();
+            found
+        };
+        let slippery = ColliderSettings { friction: 0.1, merge, ..default() };
+        app.world_mut().entity_mut(root).insert(EnvironmentColliders(slippery));
+        step(&mut app, 2);
+        assert_eq!(frictions(&mut app), [0.1]);
+        let before = in_rapier(&mut app);
+        app.world_mut().entity_mut(root).remove::<EnvironmentColliders>();
+        step(&mut app, 2);
+        assert_eq!((frictions(&mut app), in_rapier(&mut app)), (vec![0.5], before));
+        // Nothing is left of an environment that is despawned with its settings.
+        app.world_mut().entity_mut(root).insert(EnvironmentColliders(slippery));
+        app.world_mut().despawn(root);
+        step(&mut app, 2);
+        assert_eq!(in_rapier(&mut app), (0, 0));
+    }
 }
 
 #[test]
