@@ -1,5 +1,7 @@
 //! Worlds in three dimensions.
 
+use bevy::camera::ScalingMode;
+use bevy::core_pipeline::prepass::DepthPrepass;
 use bevy::prelude::*;
 use bevy_envgen::envgen::geometry::{Rect, Shape};
 use bevy_envgen::envgen::glam::DVec2;
@@ -106,19 +108,17 @@ fn things_hide_what_is_behind_them() {
     assert!(lightness(pipe) + 20 < lightness(wall), "{pipe:?} {wall:?}");
 }
 
+fn smoke_in_the_left_room(extinction: f64) -> Scenario {
+    let (region, kind) = (SmokeRegion::Room(0), SmokeKind::Regional);
+    let smoke = vec![SmokeSource { region, extinction, growth: 0.0, kind }];
+    let settings = ScenarioSpec::default();
+    Scenario { seed: Seed(1), settings, doors: vec![], people: vec![], smoke }
+}
+
 #[test]
 fn smoke_hides_more_the_thicker_it_is() {
-    let seed = Seed(1);
     let seen_in = |extinction: f64| {
-        let smoke = SmokeSource {
-            region: SmokeRegion::Room(0),
-            extinction,
-            growth: 0.0,
-            kind: SmokeKind::Regional,
-        };
-        let settings = ScenarioSpec::default();
-        let (doors, people, smoke) = (vec![], vec![], vec![smoke]);
-        let mut studio = studio(rooms(), Some(Scenario { seed, settings, doors, people, smoke }));
+        let mut studio = studio(rooms(), Some(smoke_in_the_left_room(extinction)));
         for _ in 0..20 {
             studio.step().unwrap();
         }
@@ -143,6 +143,67 @@ fn smoke_hides_more_the_thicker_it_is() {
     let kept = |of: f64, whole: f64| (of - thick.0) / (whole - thick.0);
     let (near, far) = (kept(some.0, clear.0), kept(some.1, clear.1));
     assert!((0.6..0.9).contains(&near) && (0.1..0.4).contains(&far), "{near} {far}");
+}
+
+#[test]
+fn smoke_from_straight_above_does_not_depend_on_the_height_of_the_camera() {
+    let mut studio = studio(rooms(), Some(smoke_in_the_left_room(0.3)));
+    let mut settings = studio.app().world_mut().resource_mut::<Visuals3dSettings>();
+    // Shadows end at a distance from the camera.
+    (settings.ceilings, settings.shadows) = (false, false);
+    for _ in 0..20 {
+        studio.step().unwrap();
+    }
+    // The whole of the left room, with its pipe.
+    let mut above = |height: f32| {
+        let pose =
+            Transform::from_xyz(3.0, 3.0, height).looking_at(Vec3::new(3.0, 3.0, 0.0), Vec3::Y);
+        let camera = studio.camera_3d(pose, 1.0, SIZE).unwrap();
+        let flat = OrthographicProjection {
+            scaling_mode: ScalingMode::FixedVertical { viewport_height: 7.0 },
+            ..OrthographicProjection::default_3d()
+        };
+        studio.app().world_mut().entity_mut(camera).insert(Projection::Orthographic(flat));
+        let picture = studio.picture(camera).unwrap();
+        studio.app().world_mut().despawn(camera);
+        picture
+    };
+    let low = above(4.0);
+    for height in [10.0, 60.0] {
+        let high = above(height);
+        let far = low.rgb().iter().zip(high.rgb()).filter(|(a, b)| a.abs_diff(**b) > 4).count();
+        assert!(far < 300, "{far} values differ from {height} m above");
+    }
+    // Vertical rays pass 2.6 m of smoke everywhere.
+    let pixel = |x: f32, y: f32| {
+        let at = (Vec2::new(x, y) - 3.0) * Vec2::new(1.0, -1.0) * SIZE.y as f32 / 7.0;
+        let at = at + SIZE.as_vec2() / 2.0;
+        lightness(low.pixel(at.x as u32, at.y as u32).unwrap())
+    };
+    let (middle, corner) = (pixel(2.2, 3.0), pixel(0.8, 0.8));
+    assert!(middle.abs_diff(corner) < 25, "{middle} {corner}");
+}
+
+#[test]
+fn a_camera_sees_as_before_when_the_smoke_is_gone() {
+    let mut studio = studio(rooms(), None);
+    let pose = Transform::from_xyz(1.2, 1.5, EYES).looking_at(Vec3::new(0.2, 1.5, EYES), Vec3::Z);
+    let camera = studio.camera_3d(pose, 1.0, SIZE).unwrap();
+    let world = studio.app().world_mut();
+    let root = world.query_filtered::<Entity, With<Environment>>().single(world).unwrap();
+    let clear = studio.picture(camera).unwrap();
+    let request = EnvironmentScenario::prebuilt(smoke_in_the_left_room(20.0));
+    studio.app().world_mut().entity_mut(root).insert(request);
+    for _ in 0..20 {
+        studio.step().unwrap();
+    }
+    assert_ne!(studio.picture(camera).unwrap(), clear);
+    studio.app().world_mut().entity_mut(root).remove::<EnvironmentScenario>();
+    for _ in 0..3 {
+        studio.step().unwrap();
+    }
+    assert!(!studio.app().world().entity(camera).contains::<DepthPrepass>());
+    assert_eq!(studio.picture(camera).unwrap(), clear);
 }
 
 #[test]

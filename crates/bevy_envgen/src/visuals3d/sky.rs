@@ -113,12 +113,14 @@ pub(super) fn add_skies(
     bare: Query<Entity, Bare>,
     changed: Query<(Entity, &Sky), Renewed>,
     images: Option<ResMut<Assets<Image>>>,
-    mut brightness: Local<Option<f32>>,
+    mut brightness: Local<Option<u32>>,
     mut skies: Query<&mut Skybox, With<Sky>>,
     mut commands: Commands,
 ) {
     let Some(mut images) = images else { return };
-    if brightness.replace(settings.brightness) != Some(settings.brightness) {
+    // By its bits, since a NaN does not equal itself.
+    let wanted = settings.brightness.to_bits();
+    if brightness.replace(wanted) != Some(wanted) {
         for mut skybox in &mut skies {
             skybox.brightness = INTENSITY * settings.brightness;
         }

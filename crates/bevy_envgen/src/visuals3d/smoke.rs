@@ -226,17 +226,25 @@ pub(super) fn thicken_smoke(
     }
 }
 
-/// Adds a depth prepass to cameras, since smoke ends at the depths of solid surfaces.
+/// A marker component of a camera whose depth prepass was added because of smoke.
+#[derive(Component)]
+pub(super) struct GivenDepths;
+
+/// Adds a depth prepass to cameras while there is smoke, which ends at the depths of solid surfaces.
 pub(super) fn measure_depths(
     smoke: Query<(), With<SmokeBox>>,
     cameras: Query<Entity, (With<Camera3d>, Without<DepthPrepass>)>,
+    given: Query<Entity, With<GivenDepths>>,
     mut commands: Commands,
 ) {
     if smoke.is_empty() {
+        for camera in &given {
+            commands.entity(camera).try_remove::<(DepthPrepass, GivenDepths)>();
+        }
         return;
     }
     for camera in &cameras {
-        commands.entity(camera).try_insert(DepthPrepass);
+        commands.entity(camera).try_insert((DepthPrepass, GivenDepths));
     }
 }
 

@@ -14,11 +14,16 @@
 
 @fragment
 fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
-    let camera = view.world_position;
-    let direction = normalize(in.world_position.xyz - camera);
+    var origin = view.world_position;
+    var direction = normalize(in.world_position.xyz - origin);
+    // In an orthographic view all rays have the direction of the camera. They start on the near plane.
+    if view.clip_from_view[3].w == 1.0 {
+        origin = position_ndc_to_world(vec3(frag_coord_to_ndc(in.position).xy, 1.0));
+        direction = -normalize(view.world_from_view[2].xyz);
+    }
     // A cube of side 1 around the origin.
     let to_box = get_local_from_world(in.instance_index);
-    let start = (to_box * vec4(camera, 1.0)).xyz;
+    let start = (to_box * vec4(origin, 1.0)).xyz;
     let along = (to_box * vec4(direction, 0.0)).xyz;
     let one = (-0.5 - start) / along;
     let other = (0.5 - start) / along;
@@ -31,7 +36,7 @@ fn fragment(in: VertexOutput) -> @location(0) vec4<f32> {
     // 0 is infinitely far.
     if depth > 0.0 {
         let ndc = frag_coord_to_ndc(vec4(in.position.xy, depth, 1.0));
-        leaves = min(leaves, distance(position_ndc_to_world(ndc), camera));
+        leaves = min(leaves, distance(position_ndc_to_world(ndc), origin));
     }
 #endif
     // As `tag` in smoke.rs packs them.

@@ -72,15 +72,26 @@ type Stages<'w, 's> = Query<'w, 's, (Entity, &'static ChildOf), With<Stage>>;
 /// Spawns the stages of worlds that are new or changed, and of all worlds when the settings change.
 pub(super) fn set_stage(
     settings: Res<Visuals3dSettings>,
-    mut built_with: Local<Option<Visuals3dSettings>>,
+    mut built_with: Local<Option<([bool; 2], [u32; 3])>>,
     environments: Query<Grown<'_>, With<Environment>>,
     renewed: Query<(), Renewed>,
     stages: Stages<'_, '_>,
     mut commands: Commands,
 ) {
-    // Settings are compared, since a panel that shows them may mark them as changed in every frame.
-    let settings = Visuals3dSettings { sky: false, detail_distance: 0.0, ..*settings };
-    let all = built_with.replace(settings) != Some(settings);
+    // Settings are compared, since a panel that shows them may mark them as changed in every frame; by their bits, since
+    // a NaN does not equal itself.
+    let Visuals3dSettings {
+        ceilings,
+        shadows,
+        lamp_spacing,
+        brightness,
+        darkness,
+        sky: _,
+        detail_distance: _,
+    } = *settings;
+    let numbers = [lamp_spacing, brightness, darkness].map(f32::to_bits);
+    let wanted = ([ceilings, shadows], numbers);
+    let all = built_with.replace(wanted) != Some(wanted);
     let stages: BTreeMap<Entity, Entity> =
         stages.iter().map(|(stage, parent)| (parent.parent(), stage)).collect();
     for (&environment, &stage) in &stages {

@@ -71,7 +71,14 @@ pub(super) fn choose_levels(
     let (then, distance_then) = &*chosen_for;
     let has_moved = places.len() != then.len()
         || places.iter().zip(then).any(|(now, then)| now.has_moved(then));
-    let is_due = has_moved || detail_distance != *distance_then || !planted.is_empty();
+    let is_due = has_moved
+        // A NaN is no change.
+        || detail_distance.to_bits() != distance_then.to_bits()
+        || !planted.is_empty();
+    if eyes.is_empty() && !planted.is_empty() {
+        // The next camera finds trees without a level, even where the last one was.
+        chosen_for.0.clear();
+    }
     if eyes.is_empty() || !is_due {
         return;
     }

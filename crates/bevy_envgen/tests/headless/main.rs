@@ -21,6 +21,8 @@ mod streaming;
 mod visuals;
 #[cfg(feature = "render3d")]
 mod visuals3d;
+#[cfg(feature = "render3d")]
+mod visuals3d_settings;
 mod worlds;
 
 use std::path::{Path, PathBuf};

@@ -19,14 +19,14 @@ use bevy_envgen::visuals3d::{Figure, Finish, Palette3d, Sky, Stage, Sun, TileMes
 use crate::{GenerateWorld, specs};
 
 /// Creates an app with everything that drawing needs except a GPU.
-fn app() -> App {
+pub(super) fn app() -> App {
     let visuals = EnvgenVisuals3dPlugin::default();
     let mut app = test_app_with((MeshPlugin, EnvgenPlugins::default(), visuals));
     app.init_asset::<StandardMaterial>().init_asset::<Image>();
     app
 }
 
-fn indoor(side: u32) -> Environment {
+pub(super) fn indoor(side: u32) -> Environment {
     Environment::new(IndoorSpec { width: side, height: side, ..default() }, 4)
 }
 
