@@ -48,7 +48,7 @@ pub use palette::TrialPalette;
 pub use sights::TrialSights;
 pub use trial_view::TrialView;
 
-use curtain::Curtain;
+use curtain::{Changes, Curtain, Shown};
 use drawing::{Canvas, Drawing, DrawingRoot};
 
 use crate::trial::{MappingTrial, RapierRobots};
@@ -163,10 +163,33 @@ impl Plugin for TrialViewPlugin {
     }
 }
 
-/// Hides the worlds whose trials are drawn.
-fn hide_worlds(views: Query<(&TrialView, Has<ShowIn3d>, &Children)>, mut curtain: Curtain<'_, '_>) {
-    for (view, in_3d, children) in &views {
-        curtain.set(children, view.truth, in_3d);
+/// A drawn trial, with what is shown of its world.
+type Veiled =
+    (Entity, &'static TrialView, Has<ShowIn3d>, &'static Children, Option<&'static Shown>);
+
+/// Hides the worlds whose trials are drawn: all their parts if what is shown has changed, and otherwise what else
+/// has changed.
+fn hide_worlds(
+    views: Query<Veiled>,
+    mut changes: Changes<'_, '_>,
+    mut curtain: Curtain<'_, '_>,
+    mut commands: Commands,
+) {
+    let wanted = |view: &TrialView, in_3d| Shown { from_above: view.truth, in_3d };
+    for (entity, view, in_3d, children, shown) in &views {
+        let wanted = wanted(view, in_3d);
+        if shown != Some(&wanted) {
+            curtain.set(children, wanted);
+            commands.entity(entity).try_insert(wanted);
+        }
+    }
+    for changed in changes.take() {
+        if let Some((child, root)) = changes.root_of(changed, |parent| views.contains(parent))
+            && let Ok((_, view, in_3d, _, shown)) = views.get(root)
+            && shown == Some(&wanted(view, in_3d))
+        {
+            curtain.set_below(child, changed, wanted(view, in_3d));
+        }
     }
 }
 
@@ -192,8 +215,9 @@ fn show_world(
     mut commands: Commands,
 ) {
     if let Ok(children) = children.get(removed.entity) {
-        curtain.set(children, true, true);
+        curtain.set(children, Shown { from_above: true, in_3d: true });
     }
+    commands.entity(removed.entity).try_remove::<Shown>();
     if let Ok(drawing) = drawings.get(removed.entity) {
         // If the environment is despawned, so is everything below it.
         commands.entity(drawing.root).try_despawn();

@@ -44,6 +44,49 @@ fn the_arrows_of_each_trial_fit_its_own_map() {
 }
 
 #[test]
+fn what_an_app_adds_to_a_hidden_world_or_changes_of_it_is_hidden() {
+    let world = hallway();
+    let mut app = app();
+    let root = watch(&mut app, &world, trial(&world, 1));
+    let world = app.world_mut();
+    let mut tiles = world.query_filtered::<Entity, With<Tile>>();
+    let tile = tiles.iter(world).next().expect("a tile");
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(Circle::new(1.0));
+    let is_hidden = |app: &App, mesh: Entity| {
+        app.world().get::<RenderLayers>(mesh) == Some(&RenderLayers::none())
+    };
+    let added = app.world_mut().spawn((Mesh2d(mesh.clone()), ChildOf(tile))).id();
+    step(&mut app, 1);
+    assert!(is_hidden(&app, added), "a new mesh");
+    for layers in [Some(RenderLayers::layer(3)), None] {
+        match layers {
+            Some(layers) => app.world_mut().entity_mut(added).insert(layers),
+            None => app.world_mut().entity_mut(added).remove::<RenderLayers>(),
+        };
+        step(&mut app, 1);
+        assert!(is_hidden(&app, added), "other layers");
+    }
+    // A mesh that the app spawned elsewhere, below an entity that it then moves below the tile.
+    let group = app.world_mut().spawn(Transform::default()).id();
+    let moved = app.world_mut().spawn((Mesh2d(mesh), ChildOf(group))).id();
+    step(&mut app, 2);
+    assert!(!is_hidden(&app, moved));
+    app.world_mut().entity_mut(group).insert(ChildOf(tile));
+    step(&mut app, 1);
+    assert!(is_hidden(&app, moved), "a mesh that is moved");
+    app.world_mut().entity_mut(tile).insert(Visibility::Visible);
+    step(&mut app, 1);
+    assert_eq!(app.world().get(tile), Some(&Visibility::Hidden), "a tile that is shown");
+    // Both have their own layers again, which are the default.
+    app.world_mut().get_mut::<TrialView>(root).unwrap().truth = true;
+    step(&mut app, 1);
+    assert_eq!(app.world().get(tile), Some(&Visibility::Visible));
+    for mesh in [added, moved] {
+        assert_eq!(app.world().get::<RenderLayers>(mesh), None);
+    }
+}
+
+#[test]
 fn what_an_app_hides_of_a_world_stays_hidden_when_the_world_is_shown() {
     let world = hallway();
     let mut app = app();
