@@ -87,8 +87,10 @@ pub enum StreamingBudget {
     /// A time limit. At least one step is taken in every frame, which spawns 128 parts or despawns a tile, so
     /// that streaming completes with any budget.
     Time(Duration),
-    /// A limit on the number of spawned and despawned parts, rounded up to whole steps. It gives the same
-    /// result in every run, for simulations that must be repeatable frame by frame.
+    /// A limit on the number of spawned and despawned parts, rounded up to whole steps. With
+    /// [`GenerationMode::Blocking`], it gives the same result in every run, for simulations that must be
+    /// repeatable frame by frame. With other modes, worlds and tiles may be generated in the background, and
+    /// the frame in which they are complete varies.
     Parts(usize),
 }
 

@@ -29,6 +29,7 @@ const WHOLE: f64 = 1e-3;
 #[derive(Component, Debug)]
 #[component(clone_behavior = Ignore)]
 pub struct ScenarioRun {
+    number: u64,
     scenario: Arc<Scenario>,
     /// The point of the world that is at the origin of the environment.
     pub(super) origin: DVec2,
@@ -45,6 +46,11 @@ pub struct ScenarioRun {
     pub(super) doors: Vec<DoorEntity>,
     pub(super) smoke: Vec<Entity>,
 }
+
+/// A resource with the number of runs of scenarios that have begun. Bevy's ticks do not identify runs, since it
+/// changes old ones.
+#[derive(Resource, Default)]
+struct BegunRuns(u64);
 
 /// What a scenario keeps when it is restarted on request.
 #[derive(Clone, Copy, Debug, Default)]
@@ -107,7 +113,14 @@ impl ScenarioRun {
         Ok(has_ticked)
     }
 
-    /// Returns the entities of the people, in the order of the scenario.
+    /// Returns the number of this run among those that have begun in the app. A scenario that begins again has
+    /// another number.
+    pub fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// Returns the entities of the people, in the order of the scenario. An app may have despawned some, as which
+    /// [`state`](ScenarioRun::state) still has the people.
     pub fn people(&self) -> &[Entity] {
         &self.people
     }
@@ -272,8 +285,11 @@ fn begin(world: &mut World, entity: Entity, switches: Switches) {
     match made {
         Ok((scenario, state)) => {
             let run = spawn(world, (entity, origin), scenario, state);
+            let mut begun = world.get_resource_or_init::<BegunRuns>();
+            begun.0 += 1;
+            let number = begun.0;
             if let Ok(mut root) = world.get_entity_mut(entity) {
-                root.insert((ScenarioRun { switches, ..run }, last));
+                root.insert((ScenarioRun { number, switches, ..run }, last));
             }
             world.write_message(ScenarioStarted { entity });
             world.trigger(ScenarioStarted { entity });
@@ -335,6 +351,7 @@ fn spawn(
     });
     let smoke = smoke.collect();
     ScenarioRun {
+        number: 0,
         scenario,
         origin,
         frame: global,

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use bevy::ecs::change_detection::Tick;
 use bevy::prelude::*;
 #[cfg(feature = "serialize")]
 use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
@@ -24,7 +23,7 @@ use super::error::MappingTrialError;
 /// longer takes part in the trial.
 ///
 /// Removing the component or despawning the environment removes the robots. Until then the environment has
-/// the `EnvironmentColliders` that the robots need, even if an app inserts others. Scenes and clones do not
+/// the `EnvironmentColliders` that the robots need, even if an app inserts others or removes them. Scenes and clones do not
 /// hold this component, and their robots are despawned.
 ///
 /// Robots meet only what is spawned. If the world is streamed, the radius of
@@ -73,11 +72,11 @@ pub(super) enum State {
     },
 }
 
-/// The place of a trial: the world, and the scenario, which is identified by the tick in which it began.
+/// The place of a trial: the world, and the scenario, which is identified by its [number](bevy_envgen::ScenarioRun::number).
 #[derive(Clone)]
 pub(super) struct Place {
     pub(super) world: Arc<envgen::World>,
-    pub(super) scenario: Option<Tick>,
+    pub(super) scenario: Option<u64>,
 }
 
 /// A trial that has begun.

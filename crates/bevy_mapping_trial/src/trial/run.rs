@@ -55,7 +55,7 @@ pub(super) fn begin(
         let has_scenario_failed = failure.is_some();
         let place = Place {
             world: truth.0.clone(),
-            scenario: moving.as_ref().map(|moving| moving.added()),
+            scenario: moving.as_ref().map(|moving| moving.number()),
         };
         let suits = check(&clock, &fixed, rapier.as_deref(), transform);
         let stays = match &trial.state {
