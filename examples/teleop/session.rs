@@ -231,9 +231,12 @@ impl Session {
     pub(crate) fn finish(&mut self, holder: &mut MappingTrial, world: &GroundTruth) {
         holder.stop();
         self.paused = false;
-        self.phase = Phase::Done;
         self.await_log();
-        let Some(trial) = holder.trial() else { return };
+        let Some(trial) = holder.trial() else {
+            self.give_up("The trial was stopped before it began. Nothing is saved.".to_owned());
+            return;
+        };
+        self.phase = Phase::Done;
         let measured = || -> Result<_, Box<dyn std::error::Error>> {
             let truth = trial.reference(world)?;
             Ok((trial.report(world, &truth)?, truth))
@@ -264,13 +267,13 @@ impl Session {
         self.truth = Some(Arc::new(truth));
     }
 
-    /// Returns to the settings because of an error.
-    fn give_up(&mut self, error: String) {
+    /// Returns to the settings for a reason that is shown.
+    fn give_up(&mut self, reason: String) {
         if self.phase == Phase::Running {
             // If nothing was written, the folder is empty. Only an empty folder is removed.
             std::fs::remove_dir(&self.folder).ok();
         }
-        self.message = error;
+        self.message = reason;
         self.phase = Phase::Setup;
     }
 
@@ -340,7 +343,13 @@ impl Session {
                 self.finish(trial, truth);
                 self.start(truth, commands);
             }
-            TrialAction::Stop => self.finish(trial, truth),
+            TrialAction::Stop => {
+                self.finish(trial, truth);
+                if self.phase == Phase::Setup {
+                    // It would begin later. Without a view, the true world would be visible.
+                    commands.entity(self.world).remove::<MappingTrial>().insert(view.clone());
+                }
+            }
             TrialAction::Training => {
                 self.setup.training = !self.setup.training;
                 if self.setup.training {
