@@ -6,7 +6,6 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::indoor::{Edit, PlanEditor};
-use crate::landscape::LandscapeSpec;
 use crate::provenance::Provenance;
 use crate::seed::STREAM_ALGORITHM;
 use crate::spec::{WorldBlueprint, WorldKind, WorldSpec};
@@ -151,9 +150,7 @@ pub fn reproduce(world: &World) -> Reproduction {
         Err(reason) => return Reproduction::NoWorld(reason),
     };
     let (work, parts) = (spec.work(), world.part_count() as u64);
-    if let WorldSpec::Landscape(spec) = &spec
-        && !has_size(world, spec)
-    {
+    if !may_have_size(world, &spec) {
         return Reproduction::Different;
     }
     if work > MOST_WORK + MOST_WORK_A_PART * parts as f64 {
@@ -207,18 +204,30 @@ fn spec(provenance: &Provenance) -> Result<WorldSpec, String> {
     Ok(spec)
 }
 
-/// Whether the world's raster has the numbers of rows and columns that a spec asks for.
-fn has_size(world: &World, spec: &LandscapeSpec) -> bool {
-    world.raster.as_ref().is_some_and(|raster| {
-        u64::from(raster.rows) == spec.rows && u64::from(raster.cols) == spec.cols
-    })
+/// Whether a world may have the size that a spec asks for, so far as the spec alone tells.
+fn may_have_size(world: &World, spec: &WorldSpec) -> bool {
+    match spec {
+        WorldSpec::Landscape(spec) => world.raster.as_ref().is_some_and(|raster| {
+            u64::from(raster.rows) == spec.rows && u64::from(raster.cols) == spec.cols
+        }),
+        WorldSpec::Forest(spec) => {
+            let (area, bounds) = (spec.area(), world.bounds);
+            let most = area.grown(spec.largest_radius());
+            most.contains(bounds.min)
+                && most.contains(bounds.max)
+                && bounds.max.cmpge(area.max).all()
+        }
+        _ => true,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cellular::{CellularSpec, OpenSides};
     use crate::generate::{Blueprint, Spec};
     use crate::indoor::{Catalogue, IndoorSpec};
+    use crate::landscape::LandscapeSpec;
     use crate::seed::Seed;
     use serde_json::json;
 
@@ -397,9 +406,12 @@ mod tests {
     fn specs_of_much_more_than_the_world_are_not_tried() {
         let mut world = forest();
         world.provenance.spec["width"] = json!(1e6);
-        let found = reproduce(&world);
-        assert!(matches!(found, Reproduction::TooLarge { .. }), "{found}");
+        assert_eq!(reproduce(&world), Reproduction::Different);
         // Worlds may be honest and hold little of what their specs draw.
+        let (rows, cols, open_sides) = (1100, 1100, OpenSides::All);
+        let empty = CellularSpec { rows, cols, fill: 0.0, open_sides, ..Default::default() };
+        let found = reproduce(&empty.generate(Seed(1)).unwrap().to_world());
+        assert!(matches!(found, Reproduction::TooLarge { .. }), "{found}");
         assert!(found.is_credible());
         let landscape = LandscapeSpec::default();
         let mut world = landscape.generate(Seed(1)).unwrap().to_world();

@@ -234,7 +234,14 @@ mod tests {
     #[test]
     fn a_landscape_of_many_pieces_has_its_raster() {
         let speeds = vec![1.0, 3.0, 0.5];
-        let spec = LandscapeSpec { rows: 40, cols: 40, classes: 3, speeds, ..Default::default() };
+        let spec = LandscapeSpec {
+            rows: 40,
+            cols: 40,
+            classes: 3,
+            entropy: 1.0,
+            speeds,
+            ..Default::default()
+        };
         let mut world = spec.generate(Seed(1)).expect("a landscape").to_world();
         let listed = SurfaceIndex::new(&world);
         world.surfaces.clear();

@@ -399,7 +399,7 @@ fn check_says_whether_a_file_is_what_its_spec_and_seed_make() {
             "not reproducible: its spec and seed make ano",
         ),
         (&|w| w["provenance"]["spec"]["intensity"] = (-1).into(), 1, "`intensity` must be"),
-        (&|w| w["provenance"]["spec"]["width"] = 1e6.into(), 1, "asks for about"),
+        (&|w| w["provenance"]["spec"]["width"] = 1e6.into(), 1, "make another world"),
         (
             &|w| w["provenance"]["value_version"] = 9.into(),
             0,

@@ -155,7 +155,7 @@ impl ForestSpec {
     }
 
     /// Returns the greatest radius that the distribution can give, in metres.
-    pub(super) fn largest_radius(&self) -> f64 {
+    pub(crate) fn largest_radius(&self) -> f64 {
         match self.radius_law {
             RadiusLaw::Fixed => self.radius,
             RadiusLaw::Uniform | RadiusLaw::LogNormal => self.radius_max,

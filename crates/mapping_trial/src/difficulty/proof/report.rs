@@ -82,7 +82,7 @@ fn key() -> Markup {
 }
 
 /// Draws the measured over the requested values of a dial at one footprint under the reference panel,
-/// as SVG: maps by the rules of the thesis in orange, calibrated ones in blue, verified ones in green.
+/// as SVG, with a colour for each part.
 ///
 /// # Errors
 ///
@@ -101,20 +101,23 @@ pub fn figure(
         let name = format!("measured {what} of {footprint} x {footprint} cells");
         let mut chart = chart(&area, (0.0..10.0, 0.0..10.0), (&requested, &name))?;
         diagonal(&mut chart, (0.0, 0.0), (10.0, 10.0))?;
-        for (part, _, color) in PARTS {
+        let mark = |color: usize| rgb(colors::MEASURED[color]).mix(0.7).filled();
+        for (part, name, color) in PARTS {
             let own = results.iter().find(|(own, _)| *own == part).map(|(_, all)| all);
             let own = own.into_iter().flatten().filter(|one| one.map.footprint == footprint);
             let dots = own.map(|one| {
                 let measured = unit * (one.scores[0] - zero);
-                let color = rgb(colors::MEASURED[color]);
-                Circle::new(
-                    (one.map.requested, measured.clamp(0.0, 10.0)),
-                    4,
-                    color.mix(0.7).filled(),
-                )
+                Circle::new((one.map.requested, measured.clamp(0.0, 10.0)), 4, mark(color))
             });
-            chart.draw_series(dots).map_err(report_error)?;
+            let dots: Vec<_> = dots.collect();
+            if !dots.is_empty() {
+                let series = chart.draw_series(dots).map_err(report_error)?;
+                series.label(name).legend(move |(x, y)| Circle::new((x + 10, y), 4, mark(color)));
+            }
         }
+        let mut legend = chart.configure_series_labels();
+        legend.background_style(WHITE.mix(0.8)).border_style(BLACK.mix(0.3));
+        legend.position(SeriesLabelPosition::UpperLeft).draw().map_err(report_error)?;
         area.present().map_err(report_error)?;
     }
     Ok(svg)
