@@ -8,9 +8,9 @@
 //! ```
 //!
 //! Every finished trial is written to disk at once, so that the same command continues an interrupted
-//! run. The output folder gets `report.html`, `summary.json`, `trials.csv` and `trials.parquet`. They
-//! are the same to the last byte, whatever the number of threads, and however often the run was
-//! interrupted.
+//! run. The output folder gets `report.html`, `summary.json`, `trials.csv`, `trials.parquet` and
+//! `levels.svg`. They are the same to the last byte, whatever the number of threads, and however often
+//! the run was interrupted.
 //!
 //! # Many machines
 //!

@@ -9,7 +9,8 @@ use envgen::whole_file;
 use super::error::ExperimentError;
 
 /// The files of a report, in the folder of an experiment.
-pub const REPORT: [&str; 4] = ["report.html", "summary.json", "trials.csv", "trials.parquet"];
+pub const REPORT: [&str; 5] =
+    ["report.html", "summary.json", "trials.csv", "trials.parquet", "levels.svg"];
 
 /// Creates a folder, and checks that files can be written into it.
 pub(crate) fn folder(path: &Path) -> Result<(), ExperimentError> {

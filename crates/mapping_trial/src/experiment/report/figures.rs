@@ -37,8 +37,8 @@ pub(crate) fn report_error(error: impl Display) -> ExperimentError {
     ExperimentError::Report(error.to_string())
 }
 
-/// Figure 7 (a): difficulty by level, with what the paper states.
-pub(super) fn absolute(design: &Design, part: &Part) -> Result<Markup, ExperimentError> {
+/// Figure 7 (a): difficulty by level, with what the paper states, as SVG.
+pub(super) fn absolute(design: &Design, part: &Part) -> Result<String, ExperimentError> {
     let mut svg = String::new();
     {
         let area = SVGBackend::with_string(&mut svg, (520, 470)).into_drawing_area();
@@ -94,7 +94,7 @@ pub(super) fn absolute(design: &Design, part: &Part) -> Result<Markup, Experimen
         }
         area.present().map_err(report_error)?;
     }
-    Ok(inline(svg, "Measured difficulty by level, with the paper's statements"))
+    Ok(svg)
 }
 
 /// Figure 7 (b): the order of three maps.

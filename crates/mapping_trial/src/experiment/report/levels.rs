@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::figures::inline;
 use super::pieces::{key, title};
 use super::{figures, words};
 use crate::experiment::design::Design;
@@ -15,7 +16,13 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Result<Markup, Ex
         h2 { "Difficulty against level" }
         div.pair {
             @for (name, part) in parts {
-                figure { h3 { (title(name, part)) } (figures::absolute(design, part)?) }
+                figure {
+                    h3 { (title(name, part)) }
+                    (inline(
+                        figures::absolute(design, part)?,
+                        "Measured difficulty by level, with the paper's statements",
+                    ))
+                }
             }
         }
         (key(&html! {

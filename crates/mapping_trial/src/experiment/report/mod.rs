@@ -54,7 +54,9 @@ pub fn write(experiment: &Experiment, threads: usize) -> Result<Vec<PathBuf>, Ex
     let columns = table::columns(design, &records);
     let maps = maps::draw(experiment, &records, threads)?;
     let html = page::page(design, &records, &analysis, &maps)?;
-    let contents = [html.into_bytes(), summary, table::csv(&columns)?, table::parquet(&columns)?];
+    let levels = figures::absolute(design, &analysis.main)?.into_bytes();
+    let contents =
+        [html.into_bytes(), summary, table::csv(&columns)?, table::parquet(&columns)?, levels];
     let mut paths = Vec::new();
     for (name, bytes) in FILES.into_iter().zip(contents) {
         let path = experiment.folder().join(name);
