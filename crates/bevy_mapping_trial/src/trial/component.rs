@@ -23,8 +23,8 @@ use super::error::MappingTrialError;
 /// longer takes part in the trial.
 ///
 /// Removing the component or despawning the environment removes the robots. Until then the environment has
-/// the `EnvironmentColliders` that the robots need, even if an app inserts others or removes them. Scenes and clones do not
-/// hold this component, and their robots are despawned.
+/// the `EnvironmentColliders` that the robots need, even if an app inserts others or removes them. Scenes and clones
+/// do not hold this component, and their robots are despawned.
 ///
 /// Robots meet only what is spawned. If the world is streamed, the radius of
 /// [`StreamAround`](bevy_envgen::StreamAround) must include everything that their lasers reach.
