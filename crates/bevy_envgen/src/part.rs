@@ -94,7 +94,8 @@ data! {
 }
 
 data! {
-    /// A component of roads. The [`PartShape`](crate::PartShape) has the centre line.
+    /// A component of roads. The [`PartShape`](crate::PartShape) has the centre line, with so many points that straight
+    /// edges deviate from the exact ones by at most 1 cm.
     pub struct RoadStrip {
         /// The full width in metres.
         pub width: f32,

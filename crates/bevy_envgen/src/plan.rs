@@ -203,10 +203,7 @@ fn each_part(world: &World, block: u32, visit: &mut dyn FnMut(PartRef, Rect)) {
     list(PartKind::Tree, &mut world.trees.iter().map(|tree| disc(tree.center, tree.radius)));
     list(
         PartKind::RoadStrip,
-        &mut world.road_strips.iter().map(|strip| {
-            let points = strip.centreline.iter().map(|point| point.pose.position);
-            Rect::around(points).unwrap_or(world.bounds).grown(0.5 * strip.width)
-        }),
+        &mut world.road_strips.iter().map(|strip| strip.bounds().unwrap_or(world.bounds)),
     );
     list(PartKind::Room, &mut world.rooms.iter().map(|room| room.shape.bounds()));
     list(PartKind::Doorway, &mut world.doorways.iter().map(|door| door.shape.bounds()));
@@ -276,6 +273,19 @@ mod tests {
                 assert_eq!(seen.len(), around.len(), "{kind}");
             }
         }
+    }
+
+    #[test]
+    fn bounds_of_roads_reach_around_their_turns() {
+        use envgen::road::RoadSpec;
+
+        let spec = RoadSpec { step: 60.0, ..Default::default() };
+        let world = spec.generate(Seed(3)).unwrap().to_world();
+        let surface = world.road_strips[0].mesh(1e-3).vertices;
+        each_part(&world, 64, &mut |part, bounds| {
+            let grown = bounds.grown(1e-9);
+            assert!(part.kind != PartKind::RoadStrip || surface.iter().all(|p| grown.contains(*p)));
+        });
     }
 
     #[test]

@@ -16,6 +16,9 @@ use crate::place::global_transform;
 use crate::plan::{PartRef, Plan, TileKey, block_cells};
 use crate::shape::{LocalFrame, PartShape};
 
+/// The largest distance in metres between the edges of a road, of which points are joined by lines, and its exact edges.
+pub(crate) const ROAD_TOLERANCE: f64 = 0.01;
+
 /// A component of a group of neighbouring parts. It is on an entity between the environment and the parts,
 /// and the parts are spawned and despawned together with it.
 ///
@@ -373,7 +376,13 @@ fn road(
     frame: LocalFrame,
     strip: &envgen::world::RoadStrip,
 ) -> ((Transform, PartShape), RoadStrip) {
-    let points: Vec<DVec2> = strip.centreline.iter().map(|point| point.pose.position).collect();
+    let mut points = strip.line(0.0, ROAD_TOLERANCE);
+    if strip.closed
+        && points.len() > 2
+        && points[0].distance(points[points.len() - 1]) < ROAD_TOLERANCE
+    {
+        points.pop();
+    }
     let (transform, centreline) = frame.around(&points);
     let (width, lanes, closed) = (strip.width as f32, strip.lanes, strip.closed);
     let shape = PartShape::Strip { centreline, width, closed };
@@ -414,6 +423,40 @@ mod tests {
             for tile in [[0, 0], [3, -4]] {
                 let id = PartId { kind: PartKind::RoadStrip, tile, index };
                 assert_eq!(name(id), id.to_string());
+            }
+        }
+    }
+
+    #[test]
+    fn strips_follow_the_exact_curves_of_roads() {
+        use envgen::road::{Prefab, RoadSpec};
+        use envgen::{Blueprint, Seed, Spec};
+
+        let open = RoadSpec { step: 60.0, transition: 0.3, ..Default::default() };
+        let closed = RoadSpec {
+            prefabs: [Prefab::Straight, Prefab::Left].repeat(4),
+            closed: true,
+            speed: 5.0,
+            ..open.clone()
+        };
+        for spec in [open, closed] {
+            let world = spec.generate(Seed(3)).unwrap().to_world();
+            let strip = &world.road_strips[0];
+            let ((at, shape), _) = road(LocalFrame::new(DVec2::ZERO), strip);
+            let PartShape::Strip { centreline, closed, .. } = shape else { panic!("{shape:?}") };
+            let mut line: Vec<DVec2> = centreline
+                .iter()
+                .map(|p| at.transform_point(p.extend(0.0)).truncate().as_dvec2())
+                .collect();
+            assert!(line[0].distance(line[line.len() - 1]) > 0.1);
+            line.extend(closed.then_some(line[0]));
+            for s in 0..=1000 {
+                let p = strip.path().pose_at(f64::from(s)).position;
+                let away = line
+                    .windows(2)
+                    .map(|pair| envgen::geometry::distance_to_segment(p, pair[0], pair[1]))
+                    .fold(f64::INFINITY, f64::min);
+                assert!(away < ROAD_TOLERANCE + 1e-3, "{away} m at {s} m");
             }
         }
     }

@@ -21,11 +21,8 @@ use crate::part::{Ground, PartId, PartKind, Room, Surface, SurfaceKind};
 use crate::require::require_component;
 use crate::scenario::{Door, DoorLeaf, Person, ScenarioSystems, Smoke};
 use crate::shape::PartShape;
-use crate::spawn::{Tile, TileSpawned};
+use crate::spawn::{ROAD_TOLERANCE, Tile, TileSpawned};
 use crate::systems::{EnvgenSchedules, EnvgenSystems};
-
-/// The largest distance in metres between the mesh of a road and its exact edges.
-const ROAD_TOLERANCE: f64 = 0.01;
 
 /// The system set that updates the drawing in two dimensions.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -76,7 +76,7 @@ fn digests_are_frozen() {
         "660be5f6f1c81cc6",
         "dc4938931aed060d",
         "62f2a41b5a2c6bf6",
-        "ff7135e076b6cd63",
+        "ae1bdcda4143791b",
         "005b2c1996ddbee4",
         "fd5bd8f55df27ab0",
         "5dfa90aaaed50512",

@@ -7,6 +7,7 @@
 //! Every point is computed by a closed form within its piece, never by summing steps, so that its error does not
 //! grow along the path. It remains within a few units in the last place of the coordinates.
 
+mod bounds;
 mod index;
 mod line;
 pub mod overlap;

@@ -7,6 +7,7 @@ use super::path::PathData;
 use super::shapes::{filled, stroked};
 use super::text::{Align, Typesetter};
 use super::view::{self, View, round_number};
+use crate::curve::Curve;
 use crate::palette;
 use crate::world::World;
 
@@ -26,9 +27,9 @@ pub(super) fn draw(
     top: f64,
     typesetter: &Typesetter,
 ) -> Option<(Group, f64)> {
-    let samples = samples(world);
-    let length = samples.last().map(|sample| sample.0).filter(|l| l.is_finite() && *l > 0.0)?;
-    let greatest = samples.iter().map(|sample| sample.1.abs()).fold(0.0, f64::max);
+    let curves = curves(world);
+    let length = Some(length_of(&curves)).filter(|l| l.is_finite() && *l > 0.0)?;
+    let greatest = curves.iter().map(Curve::max_curvature).fold(0.0, f64::max);
     let steepest = if greatest > 0.0 { greatest } else { 1.0 };
 
     let (left, right) = (view.plan.min.x, view.plan.max.x);
@@ -36,14 +37,7 @@ pub(super) fn draw(
     let axis = top + HEAD + 0.5 * (HEIGHT - HEAD - FOOT);
     let half = 0.5 * (HEIGHT - HEAD - FOOT) - 2.0;
     let columns = width.ceil().max(1.0) as usize;
-    let mut range = vec![[0.0_f64; 2]; columns];
-    for pair in samples.windows(2) {
-        let column = |s: f64| ((s / length * columns as f64) as usize).min(columns - 1);
-        for column in &mut range[column(pair[0].0)..=column(pair[1].0)] {
-            column[0] = column[0].max(pair[0].1);
-            column[1] = column[1].min(pair[0].1);
-        }
-    }
+    let range = extremes(&curves, columns);
     let mut group = Group::new().set("id", "curvature-profile").add(
         Rectangle::new()
             .set("x", left)
@@ -130,24 +124,79 @@ pub(super) fn draw(
     Some((group, HEIGHT))
 }
 
-/// Returns distances from the start, with the curvature from there on, of all roads one after another.
-fn samples(world: &World) -> Vec<(f64, f64)> {
-    let mut samples = Vec::new();
-    let mut length = 0.0;
+/// Returns the pieces of all roads. Where only points are known, the curvature that a point states holds up to the
+/// next.
+fn curves(world: &World) -> Vec<Curve> {
+    let mut curves = Vec::new();
     for strip in &world.road_strips {
-        let points = strip.centreline.iter();
-        let closing = strip.centreline.first().filter(|_| strip.closed);
-        let mut previous: Option<DVec2> = None;
-        for point in points.chain(closing) {
-            let at = point.pose.position;
-            length += previous.map_or(0.0, |previous| previous.distance(at));
-            samples.push((length, point.curvature));
-            previous = Some(at);
+        if !strip.pieces.is_empty() {
+            curves.extend_from_slice(&strip.pieces);
+            continue;
         }
-        // No curvature between one road and the next.
-        if let Some(last) = samples.last_mut() {
-            last.1 = 0.0;
+        let closing = strip.centreline.first().filter(|_| strip.closed);
+        let ends = strip.centreline.iter().skip(1).chain(closing);
+        curves.extend(strip.centreline.iter().zip(ends).map(|(point, end)| {
+            let length = point.pose.position.distance(end.pose.position);
+            Curve::arc(point.pose, length, point.curvature)
+        }));
+    }
+    curves
+}
+
+fn length_of(curves: &[Curve]) -> f64 {
+    curves.iter().map(|curve| curve.length).sum()
+}
+
+/// Returns the greatest and the least curvature, or 0, in each of so many columns of equal length.
+fn extremes(curves: &[Curve], columns: usize) -> Vec<[f64; 2]> {
+    let mut range = vec![[0.0_f64; 2]; columns];
+    let width = length_of(curves) / columns as f64;
+    let mut start = 0.0;
+    for curve in curves {
+        let first = ((start / width) as usize).min(columns - 1);
+        let end = (((start + curve.length) / width).ceil() as usize).max(first + 1);
+        for (i, column) in range.iter_mut().enumerate().take(end).skip(first) {
+            // Curvature changes linearly along a piece.
+            for edge in [i, i + 1] {
+                let t = (edge as f64 * width - start).clamp(0.0, curve.length);
+                let curvature = curve.curvature_at(t);
+                *column = [column[0].max(curvature), column[1].min(curvature)];
+            }
+        }
+        start += curve.length;
+    }
+    range
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{Blueprint, Spec};
+    use crate::road::RoadSpec;
+    use crate::seed::Seed;
+
+    #[test]
+    fn every_column_has_the_extremes_of_its_curvature() {
+        let spec =
+            RoadSpec { segment_count: 40, transition: 0.4, step: 50.0, ..Default::default() };
+        let world = spec.generate(Seed(4)).unwrap().to_world();
+        let curves = curves(&world);
+        assert_eq!(length_of(&curves), 1000.0);
+        let path = world.road_strips[0].path();
+        let columns = 130;
+        for (i, found) in extremes(&curves, columns).into_iter().enumerate() {
+            let samples = 2000;
+            let inside = (0..=samples).map(|j| {
+                let share = i as f64 + 1e-9 + (1.0 - 2e-9) * f64::from(j) / f64::from(samples);
+                path.curvature_at(1000.0 * share / columns as f64)
+            });
+            let expected = inside.fold([0.0_f64; 2], |[most, least], curvature| {
+                [most.max(curvature), least.min(curvature)]
+            });
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-4, "column {i}: {found} {expected}");
+                assert!(found.abs() >= expected.abs() - 1e-12, "column {i}: {found} {expected}");
+            }
         }
     }
-    samples
 }

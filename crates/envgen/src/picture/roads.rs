@@ -2,14 +2,21 @@
 
 use std::collections::BTreeMap;
 
-use svg::node::element::{Group, Path};
+use glam::DVec2;
+use svg::node::element::{self, Group};
 
 use super::path::PathData;
 use super::shapes::stroked;
 use super::view::View;
-use crate::geometry::unit_vector;
+use crate::curve::Path;
 use crate::palette;
-use crate::world::{RoadStrip, World};
+use crate::world::World;
+
+/// The greatest deviation in px of the edges of a road from their exact curves.
+const TOLERANCE: f64 = 0.1;
+
+/// The least distance in px between points of a line.
+const NEAR: f64 = 0.5;
 
 pub(super) fn draw(world: &World, view: &View) -> Option<Group> {
     if world.road_strips.is_empty() {
@@ -21,24 +28,30 @@ pub(super) fn draw(world: &World, view: &View) -> Option<Group> {
     let mut dashes = PathData::new(1);
     for strip in &world.road_strips {
         let width = strip.width * view.scale;
-        let path = widths
+        let centre = widths
             .entry((width * 10.0).round().max(10.0) as u32)
             .or_insert_with(|| PathData::new(1));
-        lane_line(strip, 0.0, view, path);
+        let path = strip.path();
+        let stations = stations(&path, strip.width, view.scale);
+        let add = |offset: f64, data: &mut PathData| {
+            let line = strip.line_at(&path, offset, &stations);
+            add_line(line.into_iter().map(|p| view.px(p)), strip.closed, data);
+        };
+        add(0.0, centre);
         let lane = width / f64::from(strip.lanes);
         if width >= 8.0 {
             let edge = 0.5 * strip.width - 1.8 / view.scale;
-            lane_line(strip, edge, view, &mut markings);
-            lane_line(strip, -edge, view, &mut markings);
+            add(edge, &mut markings);
+            add(-edge, &mut markings);
         }
         if lane >= 4.0 && strip.lanes <= 16 {
             for i in 1..strip.lanes {
                 let offset = (f64::from(i) / f64::from(strip.lanes) - 0.5) * strip.width;
-                lane_line(strip, offset, view, &mut dashes);
+                add(offset, &mut dashes);
             }
         }
     }
-    let round = |path: Path| path.set("stroke-linejoin", "round");
+    let round = |path: element::Path| path.set("stroke-linejoin", "round");
     let mut group = Group::new().set("id", "roads");
     for (tenths, path) in &widths {
         let width = f64::from(*tenths) / 10.0;
@@ -61,22 +74,31 @@ pub(super) fn draw(world: &World, view: &View) -> Option<Group> {
     Some(group)
 }
 
-/// Adds the line at `offset` metres to the left of a road's centreline. Points that are too near to each other to
-/// be distinguished are left out.
-fn lane_line(strip: &RoadStrip, offset: f64, view: &View, path: &mut PathData) {
-    let last = strip.centreline.len() - 1;
-    let mut previous = None;
-    for (i, point) in strip.centreline.iter().enumerate() {
-        let left = unit_vector(point.pose.heading).perp();
-        let at = view.px(point.pose.position + left * offset);
+/// Returns the distances along a road at which it is drawn: near enough to each other that its edges look curved, and
+/// none that cannot be distinguished.
+fn stations(path: &Path<'_>, width: f64, scale: f64) -> Vec<f64> {
+    let tolerance = (TOLERANCE / scale).max(f64::MIN_POSITIVE);
+    let mut stations = path.stations(0.5 * width, tolerance);
+    stations.dedup_by(|next, kept| (*next - *kept) * scale < NEAR);
+    if let Some(last) = stations.last_mut() {
+        *last = path.length();
+    }
+    stations
+}
+
+/// Adds a line through points in px. Those that are too near to each other to be distinguished are left out.
+fn add_line(points: impl ExactSizeIterator<Item = DVec2>, closed: bool, data: &mut PathData) {
+    let last = points.len() - 1;
+    let mut previous: Option<DVec2> = None;
+    for (i, at) in points.enumerate() {
         match previous {
-            None => path.move_to(at),
-            Some(previous) if i < last && at.distance_squared(previous) < 0.25 => continue,
-            Some(_) => path.line_to(at),
+            None => data.move_to(at),
+            Some(previous) if i < last && at.distance(previous) < NEAR => continue,
+            Some(_) => data.line_to(at),
         }
         previous = Some(at);
     }
-    if strip.closed {
-        path.close();
+    if closed {
+        data.close();
     }
 }

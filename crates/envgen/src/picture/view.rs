@@ -65,8 +65,7 @@ impl View {
 pub(super) fn extent(world: &World) -> Rect {
     let mut extent = world.bounds;
     for strip in &world.road_strips {
-        let line = Rect::around(strip.centreline.iter().map(|point| point.pose.position));
-        extent = line.map_or(extent, |line| extent.union(line.grown(0.5 * strip.width)));
+        extent = strip.bounds().map_or(extent, |bounds| extent.union(bounds));
     }
     if let Some(raster) = &world.raster {
         extent = extent.union(raster.frame().bounds());

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use super::RoadStrip;
 use crate::curve::{Curve, Path, corner};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Rect};
 
 /// The surface of a road as triangles.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +42,26 @@ impl RoadStrip {
         Path::new(Cow::Owned(lines))
     }
 
+    /// Returns the least rectangle around the centreline, enlarged by half the width on every side; `None` without
+    /// points.
+    pub fn bounds(&self) -> Option<Rect> {
+        let points = || Rect::around(self.centreline.iter().map(|point| point.pose.position));
+        Some(self.path().bounds().or_else(points)?.grown(0.5 * self.width))
+    }
+
+    /// Returns the points of the line at `offset` metres to the left of the centreline, so many that straight lines
+    /// between them, and between those of the road's edges, deviate from the exact curves by at most `tolerance`
+    /// metres. The line of a closed road ends with its first point again.
+    ///
+    /// # Panics
+    /// When `tolerance` is not positive.
+    #[track_caller]
+    pub fn line(&self, offset: f64, tolerance: f64) -> Vec<DVec2> {
+        let path = self.path();
+        let distances = path.stations(offset.abs().max(0.5 * self.width), tolerance);
+        self.line_at(&path, offset, &distances)
+    }
+
     /// Returns the width of a lane in metres.
     pub fn lane_width(&self) -> f64 {
         self.width / f64::from(self.lanes.max(1))
@@ -75,26 +95,11 @@ impl RoadStrip {
 
     /// Returns the surface as triangles, with corners at given distances along the road's path.
     pub(crate) fn mesh_at(&self, path: &Path<'_>, distances: Vec<f64>) -> RoadMesh {
-        let left = path.offset_curve(0.5 * self.width, &distances);
-        let right = path.offset_curve(-0.5 * self.width, &distances);
+        let left = self.line_at(path, 0.5 * self.width, &distances);
+        let right = self.line_at(path, -0.5 * self.width, &distances);
         let quads = distances.len().saturating_sub(1) as u32;
-        let mut vertices: Vec<DVec2> =
-            left.into_iter().zip(right).flat_map(|(l, r)| [l, r]).collect();
-        let ends = [distances.first().copied(), distances.last().copied()];
-        if self.closed
-            && ends == [Some(0.0), Some(path.length())]
-            && let [first, .., last] = path.curves()
-            && let Some(beside) = corner(last.end().heading, first.start.heading)
-        {
-            // The circuit turns where it closes.
-            let n = vertices.len();
-            for (pair, at) in [(0, first.start.position), (n - 2, last.end().position)] {
-                vertices[pair] = at + beside * (0.5 * self.width);
-                vertices[pair + 1] = at - beside * (0.5 * self.width);
-            }
-        }
         RoadMesh {
-            vertices,
+            vertices: left.into_iter().zip(right).flat_map(|(l, r)| [l, r]).collect(),
             distances: distances.into_iter().flat_map(|s| [s, s]).collect(),
             triangles: (0..quads)
                 .flat_map(|i| {
@@ -103,5 +108,28 @@ impl RoadStrip {
                 })
                 .collect(),
         }
+    }
+
+    /// Returns the points at `offset` metres to the left of the road's path at given distances along it, which must not
+    /// decrease.
+    pub(crate) fn line_at(&self, path: &Path<'_>, offset: f64, distances: &[f64]) -> Vec<DVec2> {
+        if path.curves().is_empty() {
+            // All points are the same.
+            let at = self.centreline.first().map_or(DVec2::ZERO, |point| point.pose.position);
+            return vec![at; distances.len()];
+        }
+        let mut line = path.offset_curve(offset, distances);
+        if self.closed
+            && distances.first() == Some(&0.0)
+            && distances.last() == Some(&path.length())
+            && let [start, .., end] = line.as_mut_slice()
+            && let [first, .., last] = path.curves()
+            && let Some(beside) = corner(last.end().heading, first.start.heading)
+        {
+            // The circuit turns where it closes.
+            *start = first.start.position + beside * offset;
+            *end = last.end().position + beside * offset;
+        }
+        line
     }
 }

@@ -3,6 +3,8 @@
 
 mod bad_input;
 mod geometry;
+#[cfg(feature = "picture")]
+mod pictures;
 mod statistics;
 mod worlds;
 
