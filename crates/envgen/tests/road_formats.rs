@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use envgen::export::{ExportError, Format, Job};
 use envgen::forest::ForestSpec;
 use envgen::glam::DVec2;
-use envgen::road::{Prefab, Road, RoadSpec};
+use envgen::road::{Lengths, Prefab, Road, RoadSpec};
 use envgen::{Blueprint, Seed, Spec, World};
 use quick_xml::Reader;
 use quick_xml::events::Event;
@@ -254,6 +254,91 @@ fn csv_holds_every_waypoint_with_its_distance() {
             assert!((s - 2.0 * j as f64).abs() < 1e-9, "{s}");
         }
     }
+}
+
+/// The distances in the CSV of a road.
+fn distances(spec: &RoadSpec, seed: u64) -> (Road, Vec<f64>) {
+    let road = spec.generate(Seed(seed)).unwrap();
+    let file = write(Format::Csv, &road.to_world());
+    let mut reader = csv::Reader::from_reader(std::io::Cursor::new(file));
+    let rows = reader.deserialize().map(|row| row.map(|row: [f64; 6]| row[1]));
+    (road, rows.collect::<Result<_, _>>().unwrap())
+}
+
+#[test]
+fn csv_has_the_distance_also_where_a_step_covers_most_of_a_turn() {
+    use Prefab::{Left, Right, Straight};
+    let coarse = |length, step, prefabs| RoadSpec {
+        length,
+        step,
+        prefabs,
+        speed: 0.0,
+        width: 2.0,
+        ..Default::default()
+    };
+    let wide = RoadSpec {
+        theta_min: 200.0,
+        theta_max: 340.0,
+        ..coarse(300.0, 30.0, vec![Left, Straight, Right, Straight])
+    };
+    let lefts = coarse(100.0, 20.0, vec![Left; 8]);
+    let half = RoadSpec {
+        theta_min: 180.0,
+        theta_max: 270.0,
+        speed: 5.0,
+        ..coarse(1000.0, 250.0, vec![Left, Straight, Right, Straight])
+    };
+    for transition in [0.0, 0.3] {
+        for spec in [&wide, &lefts, &half] {
+            for seed in 0..60 {
+                let (_, found) = distances(&RoadSpec { transition, ..spec.clone() }, seed);
+                let count = (spec.length / spec.step) as usize;
+                let expected: Vec<f64> = (0..=count).map(|i| i as f64 * spec.step).collect();
+                assert_eq!(found, expected, "seed {seed}");
+            }
+            // The waypoints of this rule are not evenly spaced.
+            let published = RoadSpec { transition, lengths: Lengths::AsPublished, ..spec.clone() };
+            for seed in (0..60).filter(|&seed| published.generate(Seed(seed)).is_ok()) {
+                let (road, found) = distances(&published, seed);
+                assert!(found.is_sorted(), "seed {seed}: {found:?}");
+                assert_eq!(found.last(), Some(&road.length()));
+                for (s, point) in found.iter().zip(road.waypoints()) {
+                    let there = road.pose_at(*s);
+                    assert!(
+                        there.position.distance(point.pose.position) < 1e-6,
+                        "seed {seed}: {s} m"
+                    );
+                    assert!(
+                        (there.heading - point.pose.heading).abs() < 1e-6,
+                        "seed {seed}: {s} m"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn csv_without_exact_pieces_has_the_lengths_of_lines() {
+    let mut world = RoadSpec::default().generate(Seed(3)).unwrap().to_world();
+    let strip = &mut world.road_strips[0];
+    let rows = |world: &World| {
+        let mut reader = csv::Reader::from_reader(std::io::Cursor::new(write(Format::Csv, world)));
+        reader.deserialize().collect::<Result<Vec<[f64; 6]>, _>>().unwrap()
+    };
+    // A waypoint beside the road: distances still rise to the road's length.
+    strip.centreline[500].pose.position += DVec2::new(0.3, 0.2);
+    let found = rows(&world);
+    assert!(found.windows(2).all(|pair| pair[0][1] < pair[1][1]));
+    assert_eq!(found[1000][1], 1000.0);
+    world.road_strips[0].pieces.clear();
+    let mut along = 0.0;
+    let found = rows(&world);
+    for pair in found.windows(2) {
+        assert!((pair[0][1] - along).abs() < 1e-9);
+        along += DVec2::new(pair[1][2] - pair[0][2], pair[1][3] - pair[0][3]).length();
+    }
+    assert_eq!(found[1000][1], world.road_strips[0].path().length());
 }
 
 #[test]

@@ -8,6 +8,7 @@
 use std::io::{self, Write};
 
 use super::error::ExportError;
+use super::waypoints;
 use crate::world::World;
 
 /// Writes the waypoints of a world's roads.
@@ -18,20 +19,10 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     let mut table = csv::Writer::from_writer(out);
     table.write_record(["road", "s", "x", "y", "heading", "curvature"]).map_err(io_error)?;
     for (number, strip) in world.road_strips.iter().enumerate() {
-        let path = strip.path();
-        let mut s = 0.0;
-        for (i, point) in strip.centreline.iter().enumerate() {
+        let again = strip.centreline.first().filter(|_| strip.closed);
+        for (point, s) in strip.centreline.iter().chain(again).zip(waypoints::distances(strip)) {
             let at = point.pose.position;
-            if let Some(before) = i.checked_sub(1) {
-                let chord = at.distance(strip.centreline[before].pose.position);
-                s = path.foot_from(s + chord, at);
-            }
             let row = (number, s, at.x, at.y, point.pose.heading, point.curvature);
-            table.serialize(row).map_err(io_error)?;
-        }
-        if let Some(first) = strip.centreline.first().filter(|_| strip.closed) {
-            let at = first.pose.position;
-            let row = (number, path.length(), at.x, at.y, first.pose.heading, first.curvature);
             table.serialize(row).map_err(io_error)?;
         }
     }

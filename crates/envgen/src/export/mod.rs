@@ -54,6 +54,8 @@ pub mod ros_map;
 mod sdf;
 #[cfg(feature = "usd")]
 mod usd;
+#[cfg(feature = "csv")]
+mod waypoints;
 #[cfg(any(feature = "mjcf", feature = "opendrive", feature = "sdf"))]
 mod xml;
 mod yaml;
