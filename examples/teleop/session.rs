@@ -347,7 +347,7 @@ impl Session {
                 self.finish(trial, truth);
                 if self.phase == Phase::Setup {
                     // It would begin later. Without a view, the true world would be visible.
-                    commands.entity(self.world).remove::<MappingTrial>().insert(view.clone());
+                    commands.entity(self.world).remove::<MappingTrial>().insert(*view);
                 }
             }
             TrialAction::Training => {

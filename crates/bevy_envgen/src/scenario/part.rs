@@ -6,7 +6,7 @@ use envgen::scenario::DoorCommand;
 /// A component of a person of a scenario, on a child of the environment. The scenario moves the person, and
 /// overwrites changes of the [`Transform`].
 ///
-/// Despawning the entity removes only its meshes and its collider. The scenario goes on with the person, whom
+/// Despawning the entity removes only its meshes and its collider. The scenario continues with the person, whom
 /// other people, doors and lasers still notice.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Component, Debug, PartialEq, Clone)]
@@ -22,7 +22,7 @@ pub struct Person {
 /// A component of a door of a scenario, on a child of the environment. The leaves of the door are its
 /// children, with the component [`DoorLeaf`].
 ///
-/// Despawning the entity removes only the meshes and the colliders of its leaves. The scenario goes on with the
+/// Despawning the entity removes only the meshes and the colliders of its leaves. The scenario continues with the
 /// door, which people and lasers still notice.
 ///
 /// ```

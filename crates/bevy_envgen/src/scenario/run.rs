@@ -119,8 +119,8 @@ impl ScenarioRun {
         self.number
     }
 
-    /// Returns the entities of the people, in the order of the scenario. An app may have despawned some, as which
-    /// [`state`](ScenarioRun::state) still has the people.
+    /// Returns the entities of the people, in the order of the scenario. An app may have despawned some of them;
+    /// the scenario continues with these people.
     pub fn people(&self) -> &[Entity] {
         &self.people
     }

@@ -78,8 +78,8 @@ pub(super) fn set_stage(
     stages: Stages<'_, '_>,
     mut commands: Commands,
 ) {
-    // Settings are compared, since a panel that shows them may mark them as changed in every frame; by their bits,
-    // since a NaN does not equal itself.
+    // Settings are compared, since a panel that shows them may mark them as changed in every frame; by their
+    // bits, since a NaN does not equal itself.
     let Visuals3dSettings {
         ceilings,
         shadows,

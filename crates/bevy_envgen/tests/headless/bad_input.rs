@@ -173,7 +173,7 @@ fn observers_may_despawn_a_tile_before_its_parts() {
     fn despawn<C: Component>(added: On<Add, C>, mut commands: Commands) {
         commands.entity(added.entity).try_despawn();
     }
-    fn despawn_parent(added: On<Add, Start>, above: Query<&ChildOf>, mut commands: Commands) {
+    fn despawn_parent(added: On<Insert, Start>, above: Query<&ChildOf>, mut commands: Commands) {
         if let Ok(above) = above.get(added.entity) {
             commands.entity(above.parent()).try_despawn();
         }

@@ -23,8 +23,8 @@ use super::error::MappingTrialError;
 /// longer takes part in the trial.
 ///
 /// Removing the component or despawning the environment removes the robots. Until then the environment has
-/// the `EnvironmentColliders` that the robots need, even if an app inserts others or removes them. Scenes and clones
-/// do not hold this component, and their robots are despawned.
+/// the `EnvironmentColliders` that the robots need, even if an app inserts others or removes them. Scenes and
+/// clones do not hold this component, and their robots are despawned.
 ///
 /// Robots meet only what is spawned. If the world is streamed, the radius of
 /// [`StreamAround`](bevy_envgen::StreamAround) must include everything that their lasers reach.
@@ -72,7 +72,7 @@ pub(super) enum State {
     },
 }
 
-/// The place of a trial: the world, and the scenario, which is identified by its [number](bevy_envgen::ScenarioRun::number).
+/// The place of a trial: the world, and the number of the run of its scenario.
 #[derive(Clone)]
 pub(super) struct Place {
     pub(super) world: Arc<envgen::World>,

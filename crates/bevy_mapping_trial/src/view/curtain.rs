@@ -172,6 +172,8 @@ fn show_from_above(world: &mut World, mesh: Entity) {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use bevy::ecs::system::RunSystemOnce;
 
     use super::*;
@@ -187,19 +189,20 @@ mod tests {
             });
         let found = |app: &mut App| {
             app.update();
-            std::mem::take(&mut app.world_mut().resource_mut::<Found>().0)
+            let found = std::mem::take(&mut app.world_mut().resource_mut::<Found>().0);
+            BTreeSet::from_iter(found)
         };
         let root = app.world_mut().spawn(Visibility::default()).id();
         let tile = app.world_mut().spawn((Visibility::default(), ChildOf(root))).id();
         let mesh = app.world_mut().spawn((Mesh2d::default(), ChildOf(tile))).id();
-        assert_eq!(found(&mut app), [tile, mesh]);
-        assert_eq!(found(&mut app), []);
+        assert_eq!(found(&mut app), [tile, mesh].into());
+        assert_eq!(found(&mut app), [].into());
         // Only the visibility of parts counts, and the layers of meshes.
         app.world_mut().entity_mut(tile).insert((Visibility::Hidden, RenderLayers::none()));
         app.world_mut().entity_mut(mesh).insert((Visibility::Hidden, RenderLayers::none()));
-        assert_eq!(found(&mut app), [mesh]);
+        assert_eq!(found(&mut app), [mesh].into());
         app.world_mut().entity_mut(mesh).remove::<RenderLayers>();
-        assert_eq!(found(&mut app), [mesh]);
+        assert_eq!(found(&mut app), [mesh].into());
         let root_of = move |changes: Changes<'_, '_>| changes.root_of(mesh, |above| above == root);
         assert_eq!(app.world_mut().run_system_once(root_of).ok(), Some(Some((tile, root))));
     }

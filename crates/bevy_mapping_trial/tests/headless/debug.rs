@@ -106,6 +106,7 @@ const PRIVATE: &[&str] = &[
     "bevy_mapping_trial::view::camera::MapMark",
     "bevy_mapping_trial::view::curtain::HiddenFromAbove",
     "bevy_mapping_trial::view::curtain::HiddenPart",
+    "bevy_mapping_trial::view::curtain::Shown",
     "bevy_mapping_trial::view::drawing::Drawing",
 ];
 

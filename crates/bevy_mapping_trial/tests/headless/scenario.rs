@@ -92,7 +92,7 @@ fn digest<B: RobotBackend>(trial: &Trial<B>) -> String {
 }
 
 #[test]
-fn a_trial_goes_on_when_the_ticks_of_bevy_are_old() {
+fn a_trial_continues_when_the_ticks_of_bevy_are_old() {
     let world = hall();
     let mut app = app();
     let root = spawn(&mut app, &world, &of(&world, everything()));

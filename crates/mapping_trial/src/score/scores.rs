@@ -57,10 +57,9 @@ pub struct Scores {
     /// Coverage error: 1 - C.
     pub e_cov: f64,
     /// Time: t / (t + 1.5 s/m^2), where `t = (T + (1 - C) T_lim) / (C |F|) - 1 / (2 * 8 m * v)`, at
-    /// least 0, with v 5/7 of the greatest speed. T_lim is the time limit, or how long the battery lasts if
-    /// that is less. This is the time per mapped area, beyond what a robot
-    /// without errors needs in an open hall. In the divisor C counts as at least 0.01. In the same time,
-    /// mapping less never helps.
+    /// least 0, with v 5/7 of the greatest speed. `T_lim` is the time limit, or how long the battery lasts
+    /// if that is less. This is the time per mapped area, beyond what a robot without errors needs in an
+    /// open hall. In the divisor C counts as at least 0.01. In the same time, mapping less never helps.
     pub e_time: f64,
     /// Collisions: 1 - exp(-h / 5), where h is (collisions + 3 stuck) per 100 m driven. The distance
     /// counts as at least 20 m.

@@ -2,7 +2,7 @@
 
 use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 
@@ -18,12 +18,13 @@ pub(crate) struct Progress {
 
 struct Stage {
     name: String,
-    last_line: Instant,
+    /// Time from the beginning to the last line.
+    last_line: Duration,
 }
 
 impl Progress {
     pub(crate) fn new() -> Self {
-        let stage = Stage { name: String::new(), last_line: Instant::now() };
+        let stage = Stage { name: String::new(), last_line: Duration::ZERO };
         Self { bar: bar(), stage: Mutex::new(stage) }
     }
 
@@ -41,8 +42,9 @@ impl Progress {
             // Steps of an earlier run took no time of this one.
             self.bar.reset_eta();
         }
-        if self.bar.is_hidden() && stage.last_line.elapsed() >= BETWEEN_LINES {
-            stage.last_line = Instant::now();
+        let now = self.bar.elapsed();
+        if self.bar.is_hidden() && now >= stage.last_line + BETWEEN_LINES {
+            stage.last_line = now;
             let left = HumanDuration(self.bar.eta());
             #[expect(clippy::print_stderr, reason = "what it is for")]
             {
