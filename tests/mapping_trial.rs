@@ -226,7 +226,7 @@ fn impossible_arguments_are_reported() {
     assert!(EXAMPLE.error(&["--difficulty", "11"], &out).contains("`difficulty` must be"));
     assert!(EXAMPLE.error(&["--robots", "0"], &out).contains("`robots` must be"));
     let error = EXAMPLE.error(&["--driver", "python3", "--driver-timeout", "1e300"], &out);
-    assert!(error.contains("above 0, at most 1000000000, got 1000"), "{error}");
+    assert!(error.ends_with("above 0, at most 1000000000, got 1e300\n"), "{error}");
     assert!(EXAMPLE.error(&["--size", "193"], &out).contains("193 is not in 4..=192"));
     assert!(EXAMPLE.error(&["--seed", "-1"], &out).contains("`seed` must be a whole"));
     let wide = folder.path().join("wide.envgen.ron");

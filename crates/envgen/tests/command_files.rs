@@ -531,8 +531,11 @@ fn promises_that_open_doors_break_end_with_exit_code_1() {
     let hinged = checked(" --scenario hinged.ron", 1);
     assert!(hinged.contains(&format!("broken: {promise}")), "{hinged}");
     // With all doors open the goal is not reached either, so that it does not depend on one.
-    assert!(hinged.contains("only through doors[0]: room 0 (store)\n"), "{hinged}");
-    assert!(hinged.contains("only through doors[1]: surfaces[0] (hallway)\n"), "{hinged}");
+    assert!(hinged.contains("only through doors[0] in doorway 0: room 0 (store)\n"), "{hinged}");
+    assert!(
+        hinged.contains("only through doors[1] in doorway 1: surfaces[0] (hallway)\n"),
+        "{hinged}"
+    );
 }
 
 #[test]
