@@ -409,7 +409,8 @@ mod tests {
         assert_eq!(reproduce(&world), Reproduction::Different);
         // Worlds may be honest and hold little of what their specs draw.
         let (rows, cols, open_sides) = (1024, 1024, OpenSides::All);
-        let empty = CellularSpec { rows, cols, fill: 0.0, open_sides, ..Default::default() };
+        let empty =
+            CellularSpec { rows, cols, fill: 0.0, open_sides, attempts: 10, ..Default::default() };
         let found = reproduce(&empty.generate(Seed(1)).unwrap().to_world());
         assert!(matches!(found, Reproduction::TooLarge { .. }), "{found}");
         assert!(found.is_credible());
