@@ -31,10 +31,16 @@ pub const MAX_CELLS: u64 = 1 << 28;
 pub enum Coverage {
     /// A part occupies every cell that it touches, so that no free cell contains a solid point.
     Conservative,
+    /// A part occupies every cell that it enters, so that a wall along the line between two cells is in one of them.
+    /// Parts without an interior (segments) still occupy every cell that they touch.
+    Entered,
     /// A part occupies a cell if it covers the cell's centre, so that areas are right on average. Parts without an
     /// interior (segments) still occupy every cell that they touch.
     Centre,
 }
+
+/// Depth in metres to which a shape must reach into a cell to enter it.
+const DEPTH: f64 = 1e-6;
 
 /// The reasons why a grid could not be made.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -233,6 +239,7 @@ impl OccupancyGrid {
     pub fn occupy(&mut self, shape: &Shape, coverage: Coverage) {
         match (shape, coverage) {
             (Shape::Segment { a, b }, _) => self.occupy_touched(&Convex::Polygon(&[*a, *b])),
+            (_, Coverage::Entered) => self.occupy_entered(shape),
             (Shape::Disc { center, radius }, Coverage::Conservative) => {
                 self.occupy_touched(&Convex::Disc(*center, *radius));
             }
@@ -257,6 +264,32 @@ impl OccupancyGrid {
                 self.occupy_polygon_centres(&shape.corners(), shape.bounds());
             }
         }
+    }
+
+    fn occupy_entered(&mut self, shape: &Shape) {
+        let shrunk = match shape {
+            Shape::Segment { .. } => shape.clone(),
+            Shape::Disc { center, radius } => {
+                Shape::Disc { center: *center, radius: (radius - DEPTH).max(0.5 * radius) }
+            }
+            Shape::Box { center, half_size, heading } => {
+                let half_size = (*half_size - DEPTH).max(0.5 * *half_size);
+                Shape::Box { center: *center, half_size, heading: *heading }
+            }
+            Shape::Polygon { vertices } => {
+                for (a, b) in edges(vertices) {
+                    // Polygons run counter-clockwise: their inside is on the left.
+                    let along = (b - a).normalize_or_zero() * DEPTH.min(0.25 * a.distance(b));
+                    let inside = along.perp();
+                    self.occupy_touched(&Convex::Polygon(&[
+                        a + along + inside,
+                        b - along + inside,
+                    ]));
+                }
+                return self.occupy_polygon_centres(vertices, shape.bounds());
+            }
+        };
+        self.occupy(&shrunk, Coverage::Conservative);
     }
 
     fn occupy_touched(&mut self, shape: &Convex<'_>) {

@@ -2,7 +2,7 @@
 //! for Learning-based Algorithms on Mobile Robots, arXiv:1903.09845.
 //!
 //! The format contains a single outline of free ground. It is the outline of those cells of a grid that are connected
-//! with the start and free as in the map for ROS; solids inside that do not touch it are lost. At lines without thickness, such as the walls
+//! with the start and that no solid enters; solids inside that do not touch it are lost. At lines without thickness, such as the walls
 //! of a house that was read, the outline follows the sides of cells that are nearest to the line. Start and goal are in
 //! separate fields, which other readers ignore.
 
@@ -13,10 +13,10 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::error::ExportError;
-use super::ros_map::{nearest, occupy, size_in_cells, usual_resolution};
+use super::ros_map::{nearest, size_in_cells, usual_resolution};
 use crate::flood::flood;
 use crate::geometry::{Pose, Shape};
-use crate::occupancy::OccupancyGrid;
+use crate::occupancy::{Coverage, OccupancyGrid};
 use crate::placement::max_clearance_point;
 use crate::provenance::Provenance;
 use crate::raycast::Raycaster;
@@ -55,10 +55,7 @@ pub(super) fn write(
     };
     let side = resolution.unwrap_or_else(|| usual_resolution(world));
     size_in_cells(world, side)?;
-    let mut grid = OccupancyGrid::empty(world.bounds, side)?;
-    for solid in world.solids() {
-        occupy(&mut grid, &solid.shape);
-    }
+    let grid = OccupancyGrid::of(world, side, Coverage::Entered)?;
     let frame = grid.frame();
     let mut open: Vec<bool> = grid.cells().iter().map(|occupied| !occupied).collect();
     // Wide cells may hold the start and a wall.
@@ -108,7 +105,7 @@ fn add_cells_beside_lines(world: &World, grid: &OccupancyGrid, region: &mut [boo
     }
     let Ok(mut thick) = OccupancyGrid::empty(world.bounds, frame.cell_size) else { return };
     for solid in world.solids().filter(|solid| !is_line(&solid.shape)) {
-        occupy(&mut thick, &solid.shape);
+        thick.occupy(&solid.shape, Coverage::Entered);
     }
     let mut at_border: Vec<bool> =
         grid.cells().iter().zip(thick.cells()).map(|(any, thick)| *any && !thick).collect();

@@ -166,7 +166,7 @@ impl RosMap {
 
 /// Occupies the cells of a grid whose centres lie in a shape, or that are touched by a shape that is so thin that it
 /// may miss all centres.
-pub(super) fn occupy(grid: &mut OccupancyGrid, shape: &Shape) {
+fn occupy(grid: &mut OccupancyGrid, shape: &Shape) {
     // Rounding must not make a box as thick as a cell count as thinner, nor let it miss all middles.
     let resolution = grid.frame().cell_size;
     let margin = ROUNDING * resolution;

@@ -2,7 +2,7 @@
 
 use envgen::World;
 use envgen::clearance_index::ClearanceIndex;
-use envgen::geometry::{Shape, edges};
+use envgen::geometry::Shape;
 use envgen::occupancy::{Coverage, OccupancyGrid};
 use envgen::surface_index::SurfaceIndex;
 use envgen::world::{Extent, Solid};
@@ -27,7 +27,7 @@ impl DiscGround {
     /// there are too many cells, or if the reach is not a distance.
     pub(super) fn new(world: &World, frame: ScoreFrame, reach: f64, body: Extent) -> Option<Self> {
         let mut wet = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
-        let barred = |shape: &Shape| occupy_entered(&mut wet, shape);
+        let barred = |shape: &Shape| wet.occupy(shape, Coverage::Entered);
         let surfaces = world.surfaces.iter().filter(|surface| surface.is_barrier());
         surfaces.map(|surface| &surface.shape).for_each(barred);
         Some(DiscGround {
@@ -88,36 +88,7 @@ pub(super) fn open_cells<'a>(
     solids: impl Iterator<Item = Solid<'a>>,
 ) -> Option<Vec<bool>> {
     let mut grid = OccupancyGrid::empty(frame.area(), SCORE_CELL).ok()?;
-    solids.for_each(|part| occupy_entered(&mut grid, &part.shape));
+    solids.for_each(|part| grid.occupy(&part.shape, Coverage::Entered));
     let inside = |cell| world.bounds.contains(frame.centre(cell));
     Some((0..frame.len()).map(|cell| !grid.cells()[cell] && inside(cell)).collect())
-}
-
-/// Depth in metres to which a filled shape must reach into a cell to enter it, so that a wall along the
-/// line between two cells is in one of them.
-const DEPTH: f64 = 1e-6;
-
-/// Occupies the cells that a shape enters. A line between two cells enters both.
-fn occupy_entered(grid: &mut OccupancyGrid, shape: &Shape) {
-    let shrunk = match shape {
-        Shape::Segment { .. } => shape.clone(),
-        Shape::Disc { center, radius } => {
-            Shape::Disc { center: *center, radius: (radius - DEPTH).max(0.5 * radius) }
-        }
-        Shape::Box { center, half_size, heading } => {
-            let half_size = (*half_size - DEPTH).max(0.5 * *half_size);
-            Shape::Box { center: *center, half_size, heading: *heading }
-        }
-        Shape::Polygon { vertices } => {
-            for (a, b) in edges(vertices) {
-                // Polygons run counter-clockwise: their inside is on the left.
-                let along = (b - a).normalize_or_zero() * DEPTH.min(0.25 * a.distance(b));
-                let inside = along.perp();
-                let inner = Shape::Segment { a: a + along + inside, b: b - along + inside };
-                grid.occupy(&inner, Coverage::Conservative);
-            }
-            return grid.occupy(shape, Coverage::Centre);
-        }
-    };
-    grid.occupy(&shrunk, Coverage::Conservative);
 }
