@@ -151,20 +151,21 @@ fn a_picture_is_not_taken_for_classes() {
 fn a_total_edge_that_does_not_exist_is_said_so() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("n.asc");
-    let mut arguments = vec!["generate", "landscape", "--seed=4", "--out", out.to_str().unwrap()];
-    for set in [
+    let settings = [
         "--set=rows=6",
         "--set=cols=6",
         "--set=classes=2",
         "--set=entropy=0.6931471805599453",
         "--set=algorithm=mixed",
         "--set=total_edge=7",
-    ] {
-        arguments.push(set);
-    }
-    let output =
-        std::process::Command::new(env!("CARGO_BIN_EXE_envgen")).args(arguments).output().unwrap();
-    assert!(output.status.success());
-    let text = String::from_utf8(output.stderr).unwrap();
+    ];
+    let said = |arguments: &[&str]| {
+        let output = run(&[arguments, &settings].concat());
+        assert!(output.status.success());
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let text = said(&["generate", "landscape", "--seed=4", "--out", out.to_str().unwrap()]);
     assert!(text.contains("the nearest that was found is"), "{text}");
+    let text = said(&["sample", "landscape", "--seed=4", "--count=3"]);
+    assert!(text.contains(" of 3 landscapes have the nearest total_edge"), "{text}");
 }

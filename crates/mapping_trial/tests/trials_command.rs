@@ -239,12 +239,15 @@ fn a_trials_own_map_scores_as_its_report_says() {
         let output = run(folder.path(), &score);
         assert!(output.status.success(), "{output:?}");
         let said = |text: &str| String::from_utf8_lossy(&output.stderr).contains(text);
-        (said("must be unknown in the map"), said("check --frame and --start"))
+        ["must be unknown in the map", "check --frame and --start", "has no free cell"].map(said)
     };
-    assert_eq!(warned("free.yaml", "world"), (true, false));
-    assert_eq!(warned("map.yaml", "world"), (false, false));
+    assert_eq!(warned("free.yaml", "world"), [true, false, false]);
+    assert_eq!(warned("map.yaml", "world"), [false; 3]);
     // Of a map in the wrong frame neither walls nor ground are those of the world.
-    assert_eq!(warned("map.yaml", "start"), (false, true));
+    assert_eq!(warned("map.yaml", "start"), [false, true, false]);
+    std::fs::write(folder.path().join("free.yaml"), yaml.replace("negate: 0", "negate: 1"))
+        .expect("a file");
+    assert_eq!(warned("free.yaml", "world"), [false, false, true]);
 
     // The text for people has the same content.
     let output = run(folder.path(), &[&["score", "--world", "world.json"][..], &own].concat());

@@ -2,9 +2,9 @@
 //! for Learning-based Algorithms on Mobile Robots, arXiv:1903.09845.
 //!
 //! The format contains a single outline of free ground. It is the outline of those cells of a grid that are connected
-//! with the start and that no solid enters; solids inside that do not touch it are lost. At lines without thickness, such as the walls
-//! of a house that was read, the outline follows the sides of cells that are nearest to the line. Start and goal are in
-//! separate fields, which other readers ignore.
+//! with the start and that no solid enters; solids inside that do not touch it are lost. At lines without thickness,
+//! such as the walls of a house that was read, the outline follows the sides of cells that are nearest to the line.
+//! Start and goal are in separate fields, which other readers ignore.
 
 use std::collections::BTreeMap;
 use std::io::Write;

@@ -91,12 +91,13 @@ impl Experiment {
         }
         // The file is locked before anything is deleted, since another process may be writing.
         let mut lines = Lines::lock(folder)?;
-        if !lines.is_empty() && !folder.join(HEAD.file).exists() {
+        if folder.join(HEAD.file).exists() {
+            // The report of the earlier experiment would pass for that of this one.
+            write::remove_report(folder)?;
+            lines.cut(0)?;
+        } else if !lines.is_empty() {
             return Err(content(format!("there are trials, but no {}, in it", HEAD.file)));
         }
-        // Reports of the earlier experiment would pass for those of this one.
-        write::remove_report(folder)?;
-        lines.cut(0)?;
         let head = Head { version: EXPERIMENT_VERSION, shard, design: design.clone() };
         head::write(&folder.join(HEAD.file), &head)?;
         let (folder, trials) = (folder.to_owned(), share(&head));

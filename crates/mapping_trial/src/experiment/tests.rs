@@ -254,6 +254,11 @@ fn folders_of_other_experiments_are_refused() {
     let foreign = Experiment::fresh(folder.path(), &design, Shard::WHOLE).expect_err("foreign");
     assert!(foreign.to_string().contains("no experiment.json"), "{foreign}");
     assert_eq!(fs::read(folder.path().join("trials.jsonl")).unwrap(), b"a trial\n");
+    // Neither is the report of another program.
+    let other = TempDir::new().unwrap();
+    fs::write(other.path().join("report.html"), "of a proof").unwrap();
+    drop(Experiment::fresh(other.path(), &design, Shard::WHOLE).expect("a folder"));
+    assert!(other.path().join("report.html").exists());
     fs::write(&head, "no json").unwrap();
     let old = folder.path().join("report.html");
     fs::write(&old, "an earlier report").unwrap();

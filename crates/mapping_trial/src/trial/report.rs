@@ -174,3 +174,16 @@ impl<B: RobotBackend> Trial<B> {
         Ok(report)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::TrialReport;
+
+    #[test]
+    fn reports_of_other_versions_are_named() {
+        let error = |text: &str| TrialReport::from_json(text).expect_err("no report").to_string();
+        assert_eq!(error("{\"version\": 999}"), "a report of version 999, expected version 2");
+        let text = error("{\"version\": 2}");
+        assert!(text.starts_with("this is not the report of a trial: missing field"), "{text}");
+    }
+}

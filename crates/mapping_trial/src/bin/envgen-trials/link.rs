@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 /// Reads a session, or returns why it is not linked.
 fn session(path: &Path) -> Result<Result<Session, String>, Box<dyn Error>> {
     let text = text_file::read(path).in_file(path)?;
-    let report: TrialReport = TrialReport::from_json(&text).in_file(path)?;
+    let report = TrialReport::from_json(&text).in_file(path)?;
     // The absolute path is needed, since a name alone has no folder.
     let whole = std::path::absolute(path).in_file(path)?;
     let folder = whole.parent().and_then(Path::file_name).unwrap_or_default();
