@@ -168,7 +168,7 @@ fn errors_name_what_does_not_fit() {
     );
     let error = refused(&|s| s.doors[0].open = f64::NAN);
     assert!(error.starts_with("`doors[0].open` must be a number from 0.5"), "{error}");
-    let error = refused(&|s| s.smoke = vec![s.smoke[0].clone(); 1001]);
+    let error = refused(&|s| s.smoke = vec![s.smoke[0]; 1001]);
     assert_eq!(error, "`smoke_sources` must be a whole number from 1 to 1000, got 1001");
     let error = refused(&|s| s.people[2].position = DVec2::ZERO);
     assert!(error.starts_with("`people[2].position` must be a point with 0.25 m"), "{error}");
