@@ -79,3 +79,13 @@ pub struct Prediction {
     /// border, so the prediction of a world with many of them is not reliable.
     pub outside: f64,
 }
+
+impl Prediction {
+    /// Greatest share of features outside the range of the atlas for which a prediction is used.
+    pub const MOST_OUTSIDE: f64 = 0.1;
+
+    /// Returns whether the world is so unlike those of the atlas that the prediction is not reliable.
+    pub fn is_extrapolated(&self) -> bool {
+        self.outside > Prediction::MOST_OUTSIDE
+    }
+}

@@ -28,8 +28,9 @@ const BEYOND: f64 = 0.002;
 /// Number of maps that are generated, of which the nearest is taken.
 pub(super) const CANDIDATES: usize = 8;
 
-/// The greatest distance of the nearest draw from a request of both dials, on each of them.
-const FARTHEST: f64 = 1.0;
+/// The greatest distance of the nearest draw from a request of both dials. Maps that are farther from the request of a
+/// dial are [doubted](super::CalibrationDoubt).
+pub(super) const FARTHEST: f64 = 1.0;
 
 /// Generates the plan whose prediction is nearest to the spec's request, or one of those that follow it.
 pub(super) fn plan(

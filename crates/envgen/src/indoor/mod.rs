@@ -19,6 +19,7 @@ mod catalogue;
 mod clutter;
 mod custom_laws;
 mod dimensions;
+mod doubt;
 mod edit;
 mod error;
 mod generate;
@@ -53,6 +54,7 @@ pub use catalogue::{
 #[cfg(feature = "rand")]
 pub use custom_laws::IndoorLaws;
 pub use dimensions::{Dimensions, STEP};
+pub use doubt::CalibrationDoubt;
 pub use edit::{Edit, EditError, PlanEditor, PlanTarget};
 pub use error::IndoorError;
 pub use grid::{Axis, Cell, Gate, Grid, Opening, Origin, Side, Sides};

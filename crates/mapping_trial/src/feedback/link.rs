@@ -17,9 +17,6 @@ use crate::experiment::stats::{Interval, pearson};
 /// Least number of sessions that can be linked.
 pub const LEAST_SESSIONS: usize = 3;
 
-/// Greatest fraction of features outside the atlas for which a prediction is used.
-const MOST_OUTSIDE: f64 = 0.1;
-
 /// Ratings and difficulties that differ by at most this are equal, since means of equal numbers differ
 /// by rounding.
 const SAME: f64 = 1e-9;
@@ -61,7 +58,7 @@ pub enum UnknownDifficulty {
         "{:.0} % of the features of the world lie outside what the atlas has, expected at most {:.0} %, or a \
          world whose difficulty was measured",
         100.0 * outside,
-        100.0 * MOST_OUTSIDE
+        100.0 * Prediction::MOST_OUTSIDE
     )]
     Outside {
         /// Fraction of the features that lie outside the atlas.
@@ -89,8 +86,9 @@ impl PanelDifficulty {
         let calibration =
             Calibration::of_world(world).ok_or_else(|| UnknownDifficulty::Kind(kind()))?;
         let vector = DifficultyVector::of(world, &Platform::default())?;
-        let Prediction { dials, outside, .. } = calibration.predict(&vector);
-        if outside > MOST_OUTSIDE {
+        let prediction = calibration.predict(&vector);
+        let Prediction { dials, outside, .. } = prediction;
+        if prediction.is_extrapolated() {
             return Err(UnknownDifficulty::Outside { outside });
         }
         Ok(PanelDifficulty { source: DifficultySource::Predicted, dials })

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Args;
-use envgen::WorldMetrics;
+use envgen::{WorldBlueprint, WorldMetrics};
 
 use crate::failure::Failure;
 use crate::moving::Moving;
@@ -36,6 +36,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let world = blueprint.to_world();
     files.scenario = arguments.moving.scenario(&world, moving, source.seed)?;
     files.write(&world, Some(&blueprint), &steps)?;
+    if let WorldBlueprint::Indoor(plan) = &blueprint {
+        plan.calibration_doubts().iter().for_each(|doubt| note(&doubt.to_string()));
+    }
     if let WorldMetrics::Landscape(metrics) = blueprint.metrics()
         && let Some(error) = metrics.total_edge_error.filter(|error| *error != 0)
     {

@@ -209,6 +209,13 @@ fn report<'a>(world: &'a World, platform: &Platform, steps: &Steps) -> Report<'a
     });
     let certificate = certificate.map(checked).collect();
     steps.begin("its prediction");
+    let predicted = predicted(world, platform, difficulty.as_ref().ok());
+    if let Some(prediction) = predicted.filter(Prediction::is_extrapolated) {
+        note(&format!(
+            "{:.0} % of the features lie outside what was calibrated: do not rely on the prediction",
+            100.0 * prediction.outside
+        ));
+    }
     Report {
         provenance: &world.provenance,
         digest: world.digest().to_string(),
@@ -230,7 +237,7 @@ fn report<'a>(world: &'a World, platform: &Platform, steps: &Steps) -> Report<'a
         materials: Materials::of(world),
         certificate,
         metrics: again,
-        predicted: predicted(world, platform, difficulty.as_ref().ok()),
+        predicted,
         difficulty: difficulty.ok(),
         reachable: reachable(world),
     }

@@ -168,18 +168,26 @@ fn compared(
     })
 }
 
-/// Returns a statement for each requested dial whose measured interval is not near the request.
+/// Returns a statement for each requested dial whose measured value is not near the request.
 fn missed(request: Request, measured: Dials<(f64, [f64; 2])>) -> Vec<String> {
     let dials = request.0.zip(measured).named();
-    let missed = dials.into_iter().filter_map(|(name, (wanted, (_, [low, high])))| {
+    let missed = dials.into_iter().filter_map(|(name, (wanted, (value, [low, high])))| {
         let wanted = wanted?;
-        let is_near = (low - NEAR_REQUEST..=high + NEAR_REQUEST).contains(&wanted);
-        (!is_near).then(|| {
-            format!(
+        let off = (value - wanted).abs();
+        let is_beyond_noise = !(low - NEAR_REQUEST..=high + NEAR_REQUEST).contains(&wanted);
+        if is_beyond_noise {
+            Some(format!(
                 "the measured {name} misses the request: {wanted:.2} is more than {NEAR_REQUEST} outside the \
                  interval from {low:.2} to {high:.2}; another --seed has other candidates"
-            )
-        })
+            ))
+        } else if off > NEAR_REQUEST {
+            Some(format!(
+                "the measured {name} is {off:.2} from the request, which may be noise of the trials: more --seeds \
+                 measure it more precisely, and another --seed has other candidates"
+            ))
+        } else {
+            None
+        }
     });
     missed.collect()
 }
@@ -232,12 +240,28 @@ mod tests {
     }
 
     #[test]
+    fn requests_may_be_missed_by_noise() {
+        let whole = |wanted| Dials { difficulty: Some(wanted), mapping: None, navigation: None };
+        let found = |wanted, value| missed(Request(whole(wanted)), measured(value, 0.7));
+        assert_eq!(found(6.5, 6.5 - NEAR_REQUEST + 0.01), Vec::<String>::new());
+        let texts = found(6.5, 5.2);
+        assert!(
+            texts.len() == 1
+                && texts[0]
+                    .starts_with("the measured difficulty is 1.30 from the request, which may be"),
+            "{texts:?}"
+        );
+    }
+
+    #[test]
     fn requests_are_missed_beyond_the_interval_and_what_is_near() {
         let whole = |wanted| Dials { difficulty: Some(wanted), mapping: None, navigation: None };
         let found = |wanted, value| missed(Request(whole(wanted)), measured(value, 0.39));
         let half = 0.39 + NEAR_REQUEST;
         for off in [-half - 0.01, -half + 0.01, 0.0, half - 0.01, half + 0.01] {
-            assert_eq!(found(5.0, 5.0 + off).len(), usize::from(off.abs() > half), "{off}");
+            let texts = found(5.0, 5.0 + off);
+            let is_missed = texts.iter().any(|text| text.contains("misses the request"));
+            assert_eq!(is_missed, off.abs() > half, "{off}: {texts:?}");
         }
         let expected = "the measured difficulty misses the request: 5.00 is more than 0.7 outside the interval \
                         from 6.61 to 7.39; another --seed has other candidates";

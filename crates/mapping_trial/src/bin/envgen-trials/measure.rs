@@ -120,7 +120,7 @@ fn text(report: &Report) -> String {
             "{name:>12} {value:8.2}  {low:5.2} to {high:5.2}  {score:5.2}  {harder_than:>11}  {predicted}"
         ).ok();
     }
-    if report.prediction.is_some_and(|prediction| prediction.outside > 0.1) {
+    if report.prediction.is_some_and(|prediction| prediction.is_extrapolated()) {
         writeln!(text, "this world is unlike those of the atlas: do not rely on the prediction")
             .ok();
     }
