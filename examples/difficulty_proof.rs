@@ -200,7 +200,7 @@ fn tables(analysis: &Analysis) -> String {
     let mut text = String::new();
     writeln!(
         text,
-        "{:>10} cells {:>26} maps    rho   tau  slope  intercept  error  linked  near",
+        "{:>10} cells {:>26} maps    rho   tau  error   near | linked: slope  intercept  error   near",
         "", "panel"
     )
     .ok();
@@ -211,17 +211,18 @@ fn tables(analysis: &Analysis) -> String {
         let part = format!("{:?}", row.part).to_lowercase();
         writeln!(
             text,
-            "{part:>10} {:5} {:>26} {:4} {:>6} {:>5} {:>6} {:>10} {:>6} {:>7} {:>5}",
+            "{part:>10} {:5} {:>26} {:4} {:>6} {:>5} {:>6} {:>6} | {:>13} {:>10} {:>6} {:>6}",
             row.footprint,
             row.panel,
             row.raw.maps,
             number(row.raw.rho),
             number(row.raw.tau),
+            number(row.raw.error),
+            number(row.raw.near),
             number(row.linked.slope),
             number(row.linked.intercept),
-            number(row.raw.error),
             number(row.linked.error),
-            number(row.raw.near)
+            number(row.linked.near)
         )
         .ok();
     }

@@ -126,6 +126,7 @@ pub fn figure(
 fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
     let mut names = head(["maps", "cells", "panel", "n"]);
     let near = format!("within {NEAR_REQUEST}");
+    let near_linked = format!("{near}, linked");
     names.extend(
         [
             "rank correlation",
@@ -135,6 +136,7 @@ fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
             "mean error",
             "mean error, linked",
             &near,
+            &near_linked,
         ]
         .map(with_interval),
     );
@@ -152,6 +154,7 @@ fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
             interval(row.raw.error, 2),
             interval(row.linked.error, 2),
             interval(row.raw.near, 2),
+            interval(row.linked.near, 2),
             number(row.reliability),
             number(row.rho_without_noise),
         ]
@@ -161,10 +164,10 @@ fn agreement(rows: &[Row], design: &ProofDesign) -> Markup {
         p.note {
             "At least " (design.noise_seeds) " trials per map and condition, and " (design.panel_trials) " per map and \
              panel. Slopes and intercepts are of linked values: those of another panel are put on the reference's \
-             scale by maps of their own, by mean and deviation. The column \"" (near) "\" is the share of the maps \
-             whose measured difficulty, not linked, is at most that far from the request. The reliability is the share \
-             of the variance of what is measured over maps that is not noise of trials; the rank correlation divided \
-             by its root, at most 1, estimates that without noise."
+             scale by maps of their own, by mean and deviation. The columns \"" (near) "\" are the shares of the maps \
+             whose measured difficulty, as measured and linked, is at most that far from the request. The \
+             reliability is the share of the variance of what is measured over maps that is not noise of trials; the \
+             rank correlation divided by its root, at most 1, estimates that without noise."
         }
         (table("", &names, &rows))
     }
