@@ -180,8 +180,8 @@ struct Disc {
     touching: bool,
     collisions: u32,
     person_collisions: u32,
-    /// Ticks since the last contact.
-    clear: u32,
+    /// Ticks since the last contact of each kind.
+    clear: [u32; 2],
     /// What the wheels measured in the last tick.
     measured: Increment,
     sensors: Sensors,
@@ -236,7 +236,7 @@ impl FlatSimulator {
             touching: false,
             collisions: 0,
             person_collisions: 0,
-            clear: TICKS_BETWEEN_COLLISIONS,
+            clear: [TICKS_BETWEEN_COLLISIONS; 2],
             measured: Increment::default(),
             sensors,
         });
@@ -313,10 +313,10 @@ impl FlatSimulator {
     }
 
     /// The final position of a disc that moves to `to`, and what it touches.
-    fn slide(&self, robot: usize, from: DVec2, to: DVec2) -> (DVec2, Option<Touched>) {
+    fn slide(&self, robot: usize, from: DVec2, to: DVec2) -> (DVec2, Touches) {
         let radius = self.robot.circumscribed_radius;
         let mut at = to;
-        let mut touching = None;
+        let mut touching = [false; 2];
         let mut deepest = 0.0;
         for _ in 0..PUSHES {
             deepest = 0.0;
@@ -348,7 +348,7 @@ impl FlatSimulator {
             if deepest <= 0.0 {
                 break;
             }
-            touching = touching.max(Some(nearest));
+            touching[nearest as usize] = true;
             at += push;
         }
         // The disc is wedged: it stays where it is, unless it was no better before.
@@ -357,7 +357,7 @@ impl FlatSimulator {
         }
         let ground = self.world.grounds.at(at);
         if ground.speed == 0.0 && !ground.water {
-            return (from, Some(Touched::Solid));
+            return (from, [true, touching[Touched::Person as usize]]);
         }
         (at, touching)
     }
@@ -394,7 +394,7 @@ impl FlatSimulator {
         let distance = (position - from.position).dot(ahead);
         let water = self.world.grounds.at(position).water;
 
-        let touching = touched.is_some();
+        let touching = touched.contains(&true);
         let disc = &mut self.discs[robot];
         disc.pose = Pose { position, heading: wrap_angle(from.heading + turn) };
         disc.turn_rate = turn_rate;
@@ -402,14 +402,11 @@ impl FlatSimulator {
         disc.speed = if touching { limited(distance / TICK, speed) } else { speed };
         let rolled = Increment { distance: ground.rolled(distance), turn };
         disc.measured = disc.sensors.odometry.measure(rolled, ground.odometry_noise);
-        if disc.clear >= TICKS_BETWEEN_COLLISIONS {
-            match touched {
-                Some(Touched::Solid) => disc.collisions += 1,
-                Some(Touched::Person) => disc.person_collisions += 1,
-                None => {}
-            }
+        let counts = [&mut disc.collisions, &mut disc.person_collisions];
+        for ((count, clear), touched) in counts.into_iter().zip(&mut disc.clear).zip(touched) {
+            *count += u32::from(touched && *clear >= TICKS_BETWEEN_COLLISIONS);
+            *clear = if touched { 0 } else { clear.saturating_add(1) };
         }
-        disc.clear = if touching { 0 } else { disc.clear.saturating_add(1) };
         disc.touching = touching;
         if water {
             disc.condition = Condition::Drowned;
@@ -424,12 +421,15 @@ fn limited(speed: f64, greatest: f64) -> f64 {
     if speed.abs() > greatest.abs() + ROUNDING { greatest.abs().copysign(speed) } else { speed }
 }
 
-/// What a disc touches: a wall counts where it touches both.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// The kinds of what a disc touches.
+#[derive(Clone, Copy)]
 enum Touched {
-    Person,
     Solid,
+    Person,
 }
+
+/// Whether a disc touches each kind.
+type Touches = [bool; 2];
 
 impl RobotBackend for FlatSimulator {
     fn engine(&self) -> &str {

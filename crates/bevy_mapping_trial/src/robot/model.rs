@@ -162,12 +162,15 @@ impl From<Pose> for TruePose {
     }
 }
 
-/// What a robot touches. If it touches both, the wall counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// The kinds of what a robot touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Touched {
-    Person,
     Solid,
+    Person,
 }
+
+/// Whether a robot touches each kind.
+pub(super) type Touches = [bool; 2];
 
 /// A component with the state of a robot's bumper.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
@@ -176,34 +179,31 @@ pub struct Bumper {
     /// Whether the robot touches a solid or a person, or is stopped by impassable ground.
     pub touching: bool,
     /// The number of collisions, without those with people. A collision is a contact that begins after at
-    /// least 10 steps without contact.
+    /// least 10 steps without contact of its kind.
     pub collisions: u32,
     /// The number of collisions with people of a scenario.
     pub person_collisions: u32,
-    /// The number of steps since the last contact.
-    pub(super) clear: u32,
+    /// The number of steps since the last contact of each kind.
+    pub(super) clear: [u32; 2],
 }
 
 impl Bumper {
     /// The number of steps without contact after which the next contact is a new collision.
     const STEPS_BETWEEN_COLLISIONS: u32 = 10;
 
-    pub(super) fn feel(&mut self, touched: Option<Touched>) {
-        if self.clear >= Bumper::STEPS_BETWEEN_COLLISIONS {
-            match touched {
-                Some(Touched::Solid) => self.collisions += 1,
-                Some(Touched::Person) => self.person_collisions += 1,
-                None => {}
-            }
+    pub(super) fn feel(&mut self, touched: Touches) {
+        self.touching = touched.contains(&true);
+        let counts = [&mut self.collisions, &mut self.person_collisions];
+        for ((count, clear), touched) in counts.into_iter().zip(&mut self.clear).zip(touched) {
+            *count += u32::from(touched && *clear >= Bumper::STEPS_BETWEEN_COLLISIONS);
+            *clear = if touched { 0 } else { clear.saturating_add(1) };
         }
-        self.touching = touched.is_some();
-        self.clear = if self.touching { 0 } else { self.clear.saturating_add(1) };
     }
 }
 
 impl Default for Bumper {
     fn default() -> Self {
-        let clear = Bumper::STEPS_BETWEEN_COLLISIONS;
+        let clear = [Bumper::STEPS_BETWEEN_COLLISIONS; 2];
         Bumper { touching: false, collisions: 0, person_collisions: 0, clear }
     }
 }

@@ -11,7 +11,8 @@ use mapping_trial::odometry::Increment;
 use super::drive::pose_of;
 use super::ground::Terrain;
 use super::model::{
-    Battery, Bumper, Chassis, RobotCondition, RobotModel, Touched, TruePose, WheelOdometry, Wheels,
+    Battery, Bumper, Chassis, RobotCondition, RobotModel, Touched, Touches, TruePose,
+    WheelOdometry, Wheels,
 };
 
 /// The components of a sensing robot.
@@ -70,10 +71,10 @@ pub(super) fn sense(
         let wanted = ahead * wheels.motion(chassis.track).speed;
         let rate = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         let lost = wanted - (pose.position - from.position) * rate;
-        let bogged = wheels.bogged.then_some(Touched::Solid);
-        let touched = bogged.max(touched(&rapier, entity, lost.as_vec2(), &people));
+        let mut touched = touched(&rapier, entity, lost.as_vec2(), &people);
+        touched[Touched::Solid as usize] |= wheels.bogged;
         bumper.feel(touched);
-        if touched.is_some() && dt > 0.0 && chassis.check().is_ok() {
+        if bumper.touching && dt > 0.0 && chassis.check().is_ok() {
             // A stopped body stops its wheels.
             let motion = Command { speed: distance / dt, turn_rate: turn / dt };
             wheels.set(motion, chassis.track);
@@ -108,10 +109,10 @@ fn touched(
     body: Entity,
     lost: Vec2,
     people: &Query<(), With<Person>>,
-) -> Option<Touched> {
+) -> Touches {
     let RapierContext { simulation, colliders, rigidbody_set, .. } = *rapier;
     let own = colliders.rigid_body_colliders(body, rigidbody_set);
-    let touched = own.flat_map(|collider| {
+    let felt = own.flat_map(|collider| {
         let pairs = simulation.contact_pairs_with(colliders, rigidbody_set, collider);
         let is_felt = move |pair: &ContactPairView<'_>| {
             pair.raw.total_impulse_magnitude() > 0.0 || is_stopped_by(pair, collider, lost)
@@ -125,5 +126,7 @@ fn touched(
             }
         })
     });
-    touched.max()
+    let mut touched = [false; 2];
+    felt.for_each(|kind| touched[kind as usize] = true);
+    touched
 }

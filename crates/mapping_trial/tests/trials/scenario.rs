@@ -70,6 +70,24 @@ fn a_person_stops_a_robot_and_is_seen() {
 }
 
 #[test]
+fn a_person_who_is_hit_along_a_wall_is_counted_beside_the_wall() {
+    // The robot slides along the lower wall to a person beside it.
+    let world = hall(12.0, 6.0, Pose::new(2.0, 0.45, -0.2));
+    let mut scenario = still(&world);
+    scenario.people = vec![person(6.0, 0.45)];
+    let mut trial =
+        Trial::builder(&world, settings(60.0)).scenario(scenario).build_flat().expect("a trial");
+    let ahead = Command { speed: 0.5, turn_rate: 0.0 };
+    while trial.time() < 3.0 && trial.step_with(&[ahead]) {}
+    let counts = |trial: &Trial<FlatSimulator>| {
+        (trial.bodies().collisions(0), trial.bodies().person_collisions(0))
+    };
+    assert_eq!(counts(&trial), (1, 0));
+    while trial.time() < 20.0 && trial.step_with(&[ahead]) {}
+    assert_eq!(counts(&trial), (1, 1));
+}
+
+#[test]
 fn smoke_hides_what_is_beyond_its_range() {
     let world = hall(40.0, 10.0, Pose::new(20.0, 5.0, 0.0));
     let scan = |failed_beams| {
