@@ -116,6 +116,25 @@ fn a_commanded_door_obeys_and_never_closes_on_a_robot() {
 }
 
 #[test]
+fn commands_that_change_nothing_are_not_kept() {
+    for control in ["commanded", "triggered"] {
+        let (world, scenario) = two_rooms(&format!("kind: sliding, control: {control}"));
+        let mut state = ScenarioState::new(&world, &scenario).unwrap();
+        state.command_door(0, DoorCommand::Close).unwrap();
+        state.step(2.0, &[]).unwrap();
+        assert_eq!(state.doors()[0].openness, 0.0);
+        let before = state.digest();
+        for command in [DoorCommand::Close, DoorCommand::Slam] {
+            state.command_door(0, command).unwrap();
+        }
+        assert_eq!(state.door_commands(), [], "{control}");
+        assert_eq!(state.digest(), before);
+        state.command_door(0, DoorCommand::Open).unwrap();
+        assert_eq!(state.door_commands().len(), 1);
+    }
+}
+
+#[test]
 fn a_sliding_door_opens_beside_a_robot_that_touches_it() {
     let (world, scenario) = two_rooms("kind: sliding, control: commanded");
     for along in [1.6, 2.0, 2.4] {

@@ -135,8 +135,9 @@ impl DoorState {
     /// Begins a commanded action. A timed or triggered door continues with its own control from there.
     pub(crate) fn obey(&mut self, command: DoorCommand, door: &Door, tick: u64) {
         self.opens = command == DoorCommand::Open;
-        self.slams = command == DoorCommand::Slam;
-        if door.control == DoorControl::Triggered {
+        // A command that changes nothing must leave the state as it is: it is not logged.
+        self.slams = command == DoorCommand::Slam && !self.is_still();
+        if door.control == DoorControl::Triggered && self.opens {
             self.due = tick + HOLD_TICKS;
         }
     }
