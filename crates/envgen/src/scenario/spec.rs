@@ -52,7 +52,8 @@ settings! {
         waiting: f64 = 20.0 => number("s", 0.5..=1e6);
         /// Mean of the exponentially distributed time that a person works after about every second walk, in place of waiting.
         working: f64 = 60.0 => number("s", 0.5..=1e6);
-        /// Extinction coefficient of the smoke at its sources, 0 for no smoke.
+        /// Extinction coefficient of the smoke at its sources, 0 for no smoke. In the profile `usarsim`, the density: a
+        /// Hokuyo sees through 0.00575 density x metres, which is 5.75 m at 0.001.
         #[group = ""]
         smoke: f64 = 0.0 => number("1/m", 0.0..=100.0);
         /// Number of sources of smoke.
@@ -60,7 +61,7 @@ settings! {
         smoke_sources: u32 = 1 => integer("", 1..=MAX_SMOKE_SOURCES as u64);
         /// Radius of the smoke of a source outside of rooms.
         smoke_radius: f64 = 3.0 => number("m", 0.1..=1000.0);
-        /// Time in which smoke grows to 63 % of its density, 0 where it is there from the start.
+        /// Time in which smoke grows to 63 % of its density where none leaks, 0 where it is there from the start.
         smoke_growth: f64 = 0.0 => number("s", 0.0..=1e6);
         /// Speed at which air passes an open doorway in each direction.
         smoke_leak: f64 = 0.1 => number("m/s", 0.0..=10.0);
@@ -133,14 +134,15 @@ pub enum Reactions {
     Mixed,
 }
 
-/// The kind of smoke in `USARSim`. The physical profile does not distinguish the kinds.
+/// The kind of smoke in `USARSim`. The physical profile distinguishes the kinds only in that particles do not leak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantNames)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 pub enum SmokeKind {
-    /// Smoke of a density in a region, through which a SICK sees.
+    /// Smoke of a density in a region, through which a SICK sees. From rooms and hallways, it leaks through open
+    /// doorways.
     Regional,
-    /// Particles, which stop every beam.
+    /// Particles, which reflect every beam as a wall does, and stay where they are.
     Particle,
 }
 

@@ -35,22 +35,37 @@ fn the_places_of_smoke_are_those_where_it_is() {
 }
 
 #[test]
-fn particles_in_a_room_stay_particles_beside_other_smoke() {
+fn particles_stay_in_their_room_and_stay_particles_beside_other_smoke() {
     let (world, mut scenario) = two_rooms("kind: sliding, control: commanded");
     let source = |region: &str, kind: &str| {
         let text = format!("(region: {region}, extinction: 0.5, growth: 0.0, kind: {kind})");
         ron::from_str(&text).unwrap()
     };
-    // A disc does not leak: it makes nothing of the room's smoke.
-    for (other, is_particle) in
-        [("disc(center: (6.0, 2.0), radius: 0.5)", true), ("room(1)", false)]
-    {
+    let (here, there) = (DVec2::new(1.0, 2.0), DVec2::new(7.0, 2.0));
+    for other in ["disc(center: (6.0, 2.0), radius: 0.5)", "room(1)"] {
         scenario.smoke = vec![source("room(0)", "particle"), source(other, "regional")];
         let state = ScenarioState::new(&world, &scenario).unwrap();
         let mut stretches = Vec::new();
-        state.smoke_along(DVec2::new(1.0, 2.0), DVec2::X, 2.0, &mut stretches);
-        assert!(stretches.len() == 1 && stretches[0].is_particle == is_particle, "{other}");
+        state.smoke_along(here, DVec2::X, 2.0, &mut stretches);
+        assert!(stretches.len() == 1 && stretches[0].is_particle, "{other}");
     }
+    // The door is open.
+    scenario.smoke.pop();
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    state.step(60.0, &[]).unwrap();
+    assert_eq!([here, there].map(|p| state.extinction(p)), [0.5, 0.0]);
+    let clouds: Vec<_> = state.smoke().filter(|(_, extinction)| *extinction > 0.0).collect();
+    assert_eq!(clouds, [(SmokePlace::Room(0), 0.5)]);
+    // What leaks into the room is beside the particles, and adds up with them.
+    scenario.smoke.push(source("room(1)", "regional"));
+    let mut state = ScenarioState::new(&world, &scenario).unwrap();
+    state.step(60.0, &[]).unwrap();
+    let mut stretches = Vec::new();
+    state.smoke_along(here, DVec2::X, 2.0, &mut stretches);
+    let [leaked, particles] = stretches[..] else { panic!("{stretches:?}") };
+    assert!(!leaked.is_particle && particles.is_particle && particles.extinction == 0.5);
+    assert!(leaked.extinction > 0.01, "{leaked:?}");
+    assert!((state.extinction(here) - 0.5 - leaked.extinction).abs() < 1e-12);
 }
 
 #[test]
@@ -122,10 +137,10 @@ fn boxes_that_are_none_are_refused() {
         ScenarioState::new(&world, &scenario).unwrap_err().to_string()
     };
     let error = refused("min: (NaN, 1.0), max: (5.0, 3.0)");
-    assert!(error.starts_with("`smoke[0].min` must be a finite point, got"), "{error}");
+    assert!(error.starts_with("`smoke[0].region.min` must be a finite point, got"), "{error}");
     for max in ["(0.5, 3.0)", "(5.0, 1.0)", "(5.0, NaN)", "(inf, 3.0)", "(2002.0, 3.0)"] {
         let error = refused(&format!("min: (1.0, 1.0), max: {max}"));
-        let expected = "`smoke[0].max` must be a point 0.1 to 2000 m to the right of `min`";
+        let expected = "`smoke[0].region.max` must be a point 0.1 to 2000 m to the right of `min`";
         assert!(error.starts_with(expected), "{error}");
     }
     let text =

@@ -56,8 +56,14 @@ impl Moving {
             }
             return Ok(None);
         }
-        let scenario = Scenario::new(world, &spec, self.scenario_seed.unwrap_or(seed));
-        scenario.map(Some).map_err(|error| Failure::from(error).about("--set"))
+        let scenario = Scenario::new(world, &spec, self.scenario_seed.unwrap_or(seed))
+            .map_err(|error| Failure::from(error).about("--set"))?;
+        if scenario.note().is_some() {
+            note(
+                "nothing moves: no doorway drew a door; another --scenario-seed or more doors may",
+            );
+        }
+        Ok(Some(scenario))
     }
 }
 

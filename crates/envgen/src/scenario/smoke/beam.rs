@@ -22,12 +22,12 @@ pub enum Laser {
     },
     /// A Hokuyo of `USARSim`: a beam fails if density times metres in smoke exceed a budget. With
     /// [`FailedBeams::Zero`], as in `USARSim`, a failed beam reads 0; with the other variants, it reads what these
-    /// specify.
+    /// specify. Particles reflect a beam that reaches them, as a wall would.
     Hokuyo {
         /// The budget, which is [`Laser::HOKUYO_BUDGET`] in `USARSim`.
         budget: f64,
     },
-    /// A SICK of `USARSim`: smoke in a region has no effect, and particles stop every beam.
+    /// A SICK of `USARSim`: smoke in a region has no effect. Particles reflect every beam, as they do for the Hokuyo.
     Sick,
 }
 
@@ -40,7 +40,8 @@ pub enum Reading {
     NoEcho,
     /// A distance of 0, which a Hokuyo reports as an error.
     Zero,
-    /// An echo from smoke at this distance in metres, where there is no surface.
+    /// An echo from smoke at this distance in metres, where there is no surface: a random one, or that of particles in
+    /// `USARSim`.
     Phantom(f64),
 }
 
@@ -77,9 +78,14 @@ impl Laser {
         stream: &mut Stream,
     ) -> Reading {
         let end = distance.unwrap_or(max_range);
+        let particles = self.particles(end, stretches);
+        let end = particles.unwrap_or(end);
         let is_clear = distance.is_none() && stretches.is_empty();
-        if is_clear || !self.fails(end, stretches) {
-            return distance.map_or(Reading::NoEcho, Reading::Echo);
+        // A laser within particles measures nothing.
+        let is_within = particles.is_some_and(|front| front <= 0.0);
+        if is_clear || !(is_within || self.fails(end, stretches)) {
+            let echo = particles.map(Reading::Phantom).or(distance.map(Reading::Echo));
+            return echo.unwrap_or(Reading::NoEcho);
         }
         match failed {
             FailedBeams::None => Reading::NoEcho,
@@ -90,15 +96,24 @@ impl Laser {
         }
     }
 
-    /// Whether smoke stops a beam before a distance in metres.
+    /// Returns the distance in metres at which a beam meets particles before `end`, which are as solid for the lasers
+    /// of `USARSim`.
+    fn particles(&self, end: f64, stretches: &[Stretch]) -> Option<f64> {
+        if matches!(self, Laser::Physical { .. }) {
+            return None;
+        }
+        let fronts = stretches.iter().filter(|s| s.is_particle && s.from < end).map(|s| s.from);
+        fronts.min_by(f64::total_cmp)
+    }
+
+    /// Whether smoke stops a beam before a distance in metres, apart from particles.
     fn fails(&self, end: f64, stretches: &[Stretch]) -> bool {
-        let is_stopped = || stretches.iter().any(|s| s.is_particle && s.from < end);
         match *self {
             Laser::Physical { power_range } => {
                 end * libm::exp(optical_depth(stretches, end)) > power_range
             }
-            Laser::Hokuyo { budget } => optical_depth(stretches, end) > budget || is_stopped(),
-            Laser::Sick => is_stopped(),
+            Laser::Hokuyo { budget } => optical_depth(stretches, end) > budget,
+            Laser::Sick => false,
         }
     }
 }
@@ -188,8 +203,22 @@ mod tests {
         let thick = [regional(0.0, 20.0, 50.0)];
         assert_eq!(read(Laser::Sick, Some(7.0), &thick, FailedBeams::Zero), Reading::Echo(7.0));
         let particles = [Stretch { is_particle: true, ..regional(3.0, 4.0, 1e-3) }];
-        assert_eq!(read(Laser::Sick, Some(7.0), &particles, FailedBeams::None), Reading::NoEcho);
-        assert_eq!(read(Laser::Sick, Some(2.0), &particles, FailedBeams::None), Reading::Echo(2.0));
+        let hokuyo = Laser::Hokuyo { budget: Laser::HOKUYO_BUDGET };
+        for laser in [Laser::Sick, hokuyo] {
+            let found =
+                |distance, smoke: &[Stretch]| read(laser, distance, smoke, FailedBeams::Zero);
+            // As in USARSim's SICK.uc and HokuyoURG04LX.uc: the range to the particles, as to any object.
+            assert_eq!(found(Some(7.0), &particles), Reading::Phantom(3.0));
+            assert_eq!(found(None, &particles), Reading::Phantom(3.0));
+            assert_eq!(found(Some(2.0), &particles), Reading::Echo(2.0));
+            let within = [Stretch { is_particle: true, ..regional(0.0, 4.0, 1e-3) }];
+            assert_eq!(found(Some(2.0), &within), Reading::Zero);
+        }
+        // The budget of a Hokuyo ends behind the particles, or before them.
+        for (density, expected) in [(0.001, Reading::Phantom(3.0)), (0.002, Reading::Zero)] {
+            let smoke = [particles[0], regional(0.0, 20.0, density)];
+            assert_eq!(read(hokuyo, Some(7.0), &smoke, FailedBeams::Zero), expected);
+        }
     }
 
     #[test]

@@ -33,8 +33,7 @@ pub(crate) struct SmokeRegions {
 pub(crate) struct SmokeField {
     /// The mean extinction coefficients of the compartments in 1/m.
     rooms: Vec<f64>,
-    /// The extinction coefficient of each source's disc or box; 0 for sources in compartments. The name is part of
-    /// digests.
+    /// The extinction coefficient of each source that does not leak; 0 for the others. The name is part of digests.
     discs: Vec<f64>,
 }
 
@@ -111,18 +110,35 @@ impl SmokeRegions {
             if growth > 0.0 { -libm::expm1(-dt / growth) } else { 1.0 }
         };
         for (source, own) in self.sources.iter().zip(&mut field.discs) {
-            let compartment = match source.region {
-                SmokeRegion::Disc { .. } | SmokeRegion::Box { .. } => {
-                    *own = source.extinction * share(source.growth, time);
-                    continue;
-                }
-                SmokeRegion::Room(room) => field.rooms.get_mut(room as usize),
-                SmokeRegion::Halls => field.rooms.last_mut(),
-            };
-            if let Some(density) = compartment {
+            if !source.leaks() {
+                *own = source.extinction * share(source.growth, time);
+                continue;
+            }
+            let compartment = self.compartment(source);
+            if let Some(density) = compartment.and_then(|i| field.rooms.get_mut(i)) {
                 *density += (source.extinction - *density).max(0.0) * share(source.growth, dt);
             }
         }
+    }
+
+    /// Returns the index of the compartment that a source fills; `None` for discs and boxes.
+    fn compartment(&self, source: &SmokeSource) -> Option<usize> {
+        match source.region {
+            SmokeRegion::Room(room) => Some(room as usize),
+            SmokeRegion::Halls => Some(self.floors.len() - 1),
+            SmokeRegion::Disc { .. } | SmokeRegion::Box { .. } => None,
+        }
+    }
+
+    /// Returns the extinction coefficient of each compartment, also by sources that do not leak.
+    fn densities(&self, field: &SmokeField) -> Vec<f64> {
+        let mut densities = field.rooms.clone();
+        for (source, own) in self.sources.iter().zip(&field.discs) {
+            if let Some(density) = self.compartment(source).and_then(|i| densities.get_mut(i)) {
+                *density += own;
+            }
+        }
+        densities
     }
 
     /// Calls `visit` with every section of a ray in smoke. Sections of different regions may overlap; their
@@ -135,17 +151,13 @@ impl SmokeRegions {
     ) {
         let to = from + direction * length;
         let around = Rect::new(from.min(to), from.max(to));
-        // Smoke that leaks is of the kind of its sources: of several kinds, regional. Discs and boxes do not leak.
-        let is_particle = |source: &SmokeSource| source.kind == SmokeKind::Particle;
-        let mut leaking = self.sources.iter().filter(|source| source.region.shape().is_none());
-        let all_particles = leaking.all(is_particle);
         for (shapes, &extinction) in self.floors.iter().zip(&field.rooms) {
             if extinction < THINNEST {
                 continue;
             }
             for (_, shape) in shapes.iter().filter(|(bounds, _)| bounds.overlaps(around)) {
                 chords(shape, from, direction, length, |from, to| {
-                    visit(Stretch { from, to, extinction, is_particle: all_particles });
+                    visit(Stretch { from, to, extinction, is_particle: false });
                 });
             }
         }
@@ -153,10 +165,18 @@ impl SmokeRegions {
             if extinction < THINNEST {
                 continue;
             }
-            let Some(shape) = source.region.shape() else { continue };
-            chords(&shape, from, direction, length, |from, to| {
-                visit(Stretch { from, to, extinction, is_particle: is_particle(source) });
-            });
+            let is_particle = source.kind == SmokeKind::Particle;
+            let mut visit_shape = |shape: &Shape| {
+                chords(shape, from, direction, length, |from, to| {
+                    visit(Stretch { from, to, extinction, is_particle });
+                });
+            };
+            let floor = self.compartment(source).and_then(|i| self.floors.get(i));
+            let floor = floor.into_iter().flatten();
+            floor
+                .filter(|(bounds, _)| bounds.overlaps(around))
+                .for_each(|(_, shape)| visit_shape(shape));
+            source.region.shape().iter().for_each(visit_shape);
         }
     }
 
@@ -164,7 +184,8 @@ impl SmokeRegions {
     pub(crate) fn clouds(&self, field: &SmokeField) -> impl Iterator<Item = (SmokePlace, f64)> {
         let rooms = self.floors.len().saturating_sub(1);
         let place = move |i| if i < rooms { SmokePlace::Room(i as u32) } else { SmokePlace::Halls };
-        let compartments = field.rooms.iter().enumerate().map(move |(i, &c)| (place(i), c));
+        let compartments = self.densities(field).into_iter().enumerate();
+        let compartments = compartments.map(move |(i, c)| (place(i), c));
         let sources = (0..).zip(self.sources.iter().zip(&field.discs));
         let sources = sources
             .map(|(i, (source, &extinction))| (source.region.place(i), extinction))
@@ -190,7 +211,7 @@ impl SmokeRegions {
 
     /// Returns the extinction coefficient at a point in 1/m.
     pub(crate) fn extinction(&self, field: &SmokeField, p: DVec2) -> f64 {
-        let rooms = self.floors.iter().zip(&field.rooms).filter(|(shapes, _)| {
+        let rooms = self.floors.iter().zip(self.densities(field)).filter(|(shapes, _)| {
             shapes.iter().any(|(bounds, shape)| bounds.contains(p) && shape.contains(p))
         });
         let sources = self.sources.iter().zip(&field.discs);

@@ -17,9 +17,11 @@ const BOX_SIDES: [f64; 2] = [0.1, 2000.0];
 pub struct SmokeSource {
     /// The space that the smoke fills.
     pub region: SmokeRegion,
-    /// The final extinction coefficient of the smoke, in 1/m.
+    /// The final extinction coefficient of the smoke, in 1/m. Rooms and halls from which smoke leaks may stay below it.
+    /// In the profile `usarsim`, it is the density of `USARSim`.
     pub extinction: f64,
-    /// The time in seconds in which the smoke reaches 63 % of that; 0 if it is there from the start.
+    /// The time in seconds in which the smoke reaches 63 % of that; where it leaks, it takes longer. 0 if it is there
+    /// from the start.
     #[serde(default)]
     pub growth: f64,
     /// The kind of smoke.
@@ -35,9 +37,10 @@ fn usual_kind() -> SmokeKind {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SmokeRegion {
-    /// The room with this index, from which smoke leaks through open doorways.
+    /// The room with this index, from which regional smoke leaks through open doorways.
     Room(u32),
-    /// All hallways and open areas, which share one density. Smoke leaks from them into rooms through open doorways.
+    /// All hallways and open areas, which share one density. Regional smoke leaks from them into rooms through open
+    /// doorways.
     Halls,
     /// A disc of constant size.
     Disc {
@@ -97,6 +100,11 @@ pub enum SmokePlace {
 }
 
 impl SmokeSource {
+    /// Whether the smoke leaks through doorways. Particles do not, as in `USARSim`, where a fixed emitter makes them.
+    pub(super) fn leaks(&self) -> bool {
+        self.region.shape().is_none() && self.kind == SmokeKind::Regional
+    }
+
     /// Checks the source against its world.
     ///
     /// # Errors
@@ -120,19 +128,20 @@ impl SmokeSource {
                 Err(SpecError::new("region", room, allowed))
             }
             SmokeRegion::Halls if !world.surfaces.iter().any(|surface| surface.kind.is_hall()) => {
-                let allowed = "a room, a disc or a box: the world has no hallway or open area";
+                let allowed = "a room, a disc or a box: the world has no hallways or open areas, which indoor maps \
+                               have";
                 Err(SpecError::new("region", "halls", allowed))
             }
             SmokeRegion::Room(_) | SmokeRegion::Halls => Ok(()),
             SmokeRegion::Disc { center, radius } => {
                 if !center.is_finite() {
-                    return Err(SpecError::new("center", center, "a finite point"));
+                    return Err(SpecError::new("region.center", center, "a finite point"));
                 }
-                limited("radius", "smoke_radius", radius)
+                limited("region.radius", "smoke_radius", radius)
             }
             SmokeRegion::Box { min, max } => {
                 if !min.is_finite() {
-                    return Err(SpecError::new("min", min, "a finite point"));
+                    return Err(SpecError::new("region.min", min, "a finite point"));
                 }
                 let [least, most] = BOX_SIDES;
                 let is_side = |side: f64| (least..=most).contains(&side);
@@ -141,7 +150,7 @@ impl SmokeSource {
                 }
                 let allowed =
                     format!("a point {least} to {most} m to the right of `min` and above it");
-                Err(SpecError::new("max", max, allowed))
+                Err(SpecError::new("region.max", max, allowed))
             }
         }
     }
