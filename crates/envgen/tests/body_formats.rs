@@ -5,11 +5,12 @@ mod samples;
 
 use std::collections::BTreeMap;
 
+use envgen::World;
 use envgen::export::{Format, Job};
 use envgen::geometry::Shape;
 use envgen::glam::DVec2;
 use envgen::pieces::{Form, pieces};
-use envgen::world::{Wall, WallKind};
+use envgen::world::{Extent, Wall, WallKind};
 use quick_xml::Reader;
 use quick_xml::events::Event;
 use samples::{with_polygon, worlds, write};
@@ -98,6 +99,29 @@ fn every_piece_is_in_every_file() {
             assert_eq!(node["extras"]["solid"], piece.is_solid);
         }
     }
+}
+
+#[test]
+fn cameras_in_mujoco_see_what_is_near_in_worlds_of_any_size() {
+    let number = |world: &World, element: &str, name: &str| -> f64 {
+        let file = elements(&write(world, "mjcf.xml"));
+        let of = file.iter().find(|(found, ..)| found == element).expect(element);
+        of.1[name].parse().unwrap()
+    };
+    for world in worlds() {
+        let extent = number(&world, "statistic", "extent");
+        let size = world.bounds.size();
+        assert!(extent >= 0.5 * size.max_element(), "{extent} m of {size}");
+        assert!((number(&world, "map", "znear") * extent - 0.01).abs() < 1e-12);
+        assert!(number(&world, "map", "zfar") * extent > 2.0 * size.length());
+    }
+    // What is higher than the world is wide counts.
+    let mut world = with_polygon(&[(1., 1.), (5., 1.), (5., 2.)]);
+    world.obstacles[0].height = Some(Extent::new(-2.0, 40.0).unwrap());
+    assert_eq!(number(&world, "statistic", "extent"), 21.0);
+    let file = elements(&write(&world, "mjcf.xml"));
+    let statistic = file.iter().find(|(found, ..)| found == "statistic").unwrap();
+    assert_eq!(statistic.1["center"], "5 5 19");
 }
 
 #[test]

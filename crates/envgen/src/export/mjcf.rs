@@ -4,7 +4,9 @@
 //! piece's kind. Geoms are boxes, cylinders and ellipsoids. Outlines of other forms are meshes; because MuJoCo
 //! takes the convex hull of a mesh, those that are not convex are divided into convex pieces: `obstacle_3`,
 //! `obstacle_3.1` and so on. Floors, surfaces and crowns do not collide; robots drive on the plane `floor`. Start
-//! and goal are sites. The provenance is a custom text.
+//! and goal are sites. The provenance is a custom text. Middle and extent of the model are stated, and with them
+//! planes between which cameras see the whole world from 1 cm on; of the extent that MuJoCo would compute, the near
+//! plane would be 1 %.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -22,6 +24,12 @@ use crate::world::{Extent, World};
 
 /// Half the distance between the lines that MuJoCo draws on the floor, in metres.
 const GRID: f64 = 0.5;
+
+/// The distance in metres from which on cameras see bodies.
+const NEAR: f64 = 0.01;
+
+/// The distance up to which cameras see, in extents of the world. Its diagonal has less than four.
+const FAR: f64 = 10.0;
 
 /// A geom that is a mesh: its name, its position, and the corners of the mesh relative to that position.
 struct Hull {
@@ -43,6 +51,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     let mut xml = Xml::begin(out)?;
     xml.nest("mujoco", &[("model", world.provenance.kind.clone())], |xml| {
         xml.leaf("compiler", &[("angle", "radian".into())])?;
+        planes(xml, world, &pieces)?;
         xml.nest("custom", &[], |xml| {
             xml.leaf("text", &[("name", "provenance".into()), ("data", provenance)])
         })?;
@@ -75,6 +84,21 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
         })
     })?;
     xml.end()
+}
+
+/// Writes the middle and the extent of the model, and the near and far planes of cameras, which are fractions of the
+/// extent.
+fn planes(xml: &mut Xml<'_>, world: &World, pieces: &[Piece<'_>]) -> Result<(), ExportError> {
+    let extents = || pieces.iter().map(|piece| piece.form.extent());
+    let bottom = extents().map(Extent::bottom).fold(0.0, f64::min);
+    let top = extents().map(Extent::top).fold(0.0, f64::max);
+    let center = world.bounds.center().extend(0.5 * (bottom + top));
+    let extent = 0.5 * world.bounds.size().max_element().max(top - bottom);
+    let statistic = [("center", numbers(center.to_array())), ("extent", number(extent))];
+    xml.leaf("statistic", &statistic)?;
+    xml.nest("visual", &[], |xml| {
+        xml.leaf("map", &[("znear", number(NEAR / extent)), ("zfar", number(FAR))])
+    })
 }
 
 /// Returns the meshes that represent an outline; an empty list for other forms.
