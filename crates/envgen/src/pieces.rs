@@ -14,13 +14,12 @@ use crate::world::{
 /// Thickness in metres of the body of a part that is a line in the plane.
 pub const LINE_THICKNESS: f64 = 0.01;
 
-/// Returns the ground of a world that has no floors.
-fn ground() -> Extent {
-    let Ok(extent) = Extent::new(-0.2, FLOOR.top()) else {
-        unreachable!("-0.2 is below the floor")
-    };
-    extent
-}
+/// Thickness of the ground in metres.
+const GROUND_THICKNESS: f64 = 0.2;
+
+/// The depth in metres of the ground below the lowest floor of a world. It is seen in doorways and wherever else no
+/// floor lies. Wheels pass over such a step, and renderers tell the two apart at the distances of a building.
+const BELOW_FLOORS: f64 = 0.002;
 
 /// A body in three dimensions: a part of a world, or a component of one, such as the crown of a tree.
 ///
@@ -76,7 +75,7 @@ pub enum Role {
     Floor,
     /// The ceiling over a room or hallway.
     Ceiling,
-    /// The ground of a world that has no floors.
+    /// The ground, which is seen where no floor lies.
     Ground,
 }
 
@@ -147,11 +146,11 @@ impl fmt::Display for Piece<'_> {
     }
 }
 
-/// Returns all pieces of a world, in the order of its lists: the ground or the floors, surfaces, roads, walls,
+/// Returns all pieces of a world, in the order of its lists: the ground, floors, surfaces, roads, walls,
 /// trees with their crowns, doors and lintels, and obstacles. The raster of a landscape has no pieces; its
 /// obstacles and surfaces have.
 pub fn pieces(world: &World) -> Vec<Piece<'_>> {
-    let mut all: Vec<_> = ground_of(world).into_iter().collect();
+    let mut all = vec![ground_of(world)];
     let lintels = world.lintels();
     let lists = [
         (PartKind::Room, world.rooms.len()),
@@ -171,18 +170,23 @@ pub fn pieces(world: &World) -> Vec<Piece<'_>> {
     all
 }
 
-/// Returns the ground of a world that has no floors, as large as its bounds.
-pub fn ground_of(world: &World) -> Option<Piece<'_>> {
-    let has_floor =
-        !world.rooms.is_empty() || world.surfaces.iter().any(|surface| surface.kind.is_hall());
-    (!has_floor).then(|| Piece {
+/// Returns the ground of a world, as large as its bounds. Its top is the plane on which robots drive or, in a world
+/// with floors, 2 mm below the lowest of them.
+pub fn ground_of(world: &World) -> Piece<'_> {
+    let rooms = world.rooms.iter().map(|room| floor_of(room).top());
+    let halls = world.surfaces.iter().filter(|surface| surface.kind.is_hall());
+    let floors = rooms.chain(halls.map(|hall| hall.extent().top()));
+    let lowest = floors.reduce(f64::min).map(|floor| floor.min(FLOOR.top()) - BELOW_FLOORS);
+    let top = lowest.unwrap_or(FLOOR.top());
+    let extent = Extent::between(top - GROUND_THICKNESS, top);
+    Piece {
         part: None,
         role: Role::Ground,
         kind: "ground".to_owned(),
-        form: Form::Prism { shape: Cow::Owned(Shape::from_rect(world.bounds)), extent: ground() },
+        form: Form::Prism { shape: Cow::Owned(Shape::from_rect(world.bounds)), extent },
         is_solid: false,
         color: palette::ROOM.fill,
-    })
+    }
 }
 
 /// Returns the ceilings over rooms, hallways and open areas. They are not among [`pieces`], because worlds are
@@ -353,6 +357,38 @@ mod tests {
             let of = |role| pieces.iter().filter(|p| p.role == role && p.is_solid).count();
             assert_eq!(of(Role::Body), world.solids().count(), "{kind}");
             assert_eq!(of(Role::Lintel), world.doorways.len(), "{kind}");
+        }
+    }
+
+    #[test]
+    fn there_is_ground_wherever_a_robot_can_be() {
+        let top = |piece: &Piece<'_>| piece.form.extent().top();
+        for &kind in WorldKind::ALL {
+            let mut world = kind.default_spec().generate(Seed(3)).unwrap().to_world();
+            let bodies = |world: &World| -> Vec<(f64, Shape)> {
+                let pieces = pieces(world);
+                let ground = pieces.iter().filter(|piece| piece.role == Role::Ground);
+                assert_eq!(ground.count(), 1, "{kind}");
+                let prisms = pieces.iter().filter_map(|piece| match &piece.form {
+                    Form::Prism { shape, .. } if !piece.is_solid => {
+                        Some((top(piece), shape.clone().into_owned()))
+                    }
+                    _ => None,
+                });
+                prisms.collect()
+            };
+            let all = bodies(&world);
+            let doorways = world.doorways.iter().map(|doorway| doorway.shape.bounds().center());
+            for place in doorways.chain(world.start.map(|start| start.position)) {
+                let below = all.iter().filter(|(_, shape)| shape.contains(place));
+                let highest = below.map(|(top, _)| *top).fold(f64::NEG_INFINITY, f64::max);
+                assert!((-0.003..=0.06).contains(&highest), "{kind}: {highest} m at {place}");
+            }
+            // A floor is not hidden below the ground, however deep it lies.
+            let Some(room) = world.rooms.first_mut() else { continue };
+            room.height = Some(Extent::between(-1.0, 2.0));
+            let ground = ground_of(&world);
+            assert!(top(&ground) < -1.0 && top(&ground) > -1.01, "{kind}");
         }
     }
 
