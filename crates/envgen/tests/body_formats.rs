@@ -140,6 +140,17 @@ fn outlines_that_are_not_convex_are_several_meshes_for_mujoco() {
 }
 
 #[test]
+fn pieces_too_thin_for_mujoco_are_left_out() {
+    // A square of 9 m with a hair on it, wider or thinner than a micrometre.
+    let hair = |width| {
+        let corners =
+            [(0., 0.), (9., 0.), (9., 9.), (5. + width, 9.), (5., 12.), (5., 9.), (0., 9.)];
+        named(&elements(&write(&with_polygon(&corners), "mjcf.xml")), "mesh")
+    };
+    assert_eq!((hair(1e-4).len(), hair(1e-9)), (2, vec!["obstacle_0".to_owned()]));
+}
+
+#[test]
 fn meshes_of_distant_worlds_are_in_their_place() {
     // Single precision has no whole number between 30,000,004 and 30,000,006.
     let world = with_polygon(&[

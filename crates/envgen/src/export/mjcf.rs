@@ -17,6 +17,7 @@ use super::body::Body;
 use super::error::ExportError;
 use super::places::places;
 use super::xml::{Attribute, Xml, number, numbers};
+use crate::geometry::edges;
 use crate::mesh::convex_pieces;
 use crate::palette::Srgb;
 use crate::pieces::{Form, Piece, pieces};
@@ -30,6 +31,13 @@ const NEAR: f64 = 0.01;
 
 /// The distance up to which cameras see, in extents of the world. Its diagonal has less than four.
 const FAR: f64 = 10.0;
+
+/// The least thickness in metres of a convex piece of an outline. MuJoCo refuses meshes whose corners lie in one plane;
+/// pieces that are thinner are left out.
+const THINNEST: f64 = 1e-7;
+
+/// The same as a share of the greatest coordinate, because MuJoCo's corners have 32 bits.
+const SINGLE: f64 = 4.0 * f32::EPSILON as f64;
 
 /// A geom that is a mesh: its name, its position, and the corners of the mesh relative to that position.
 struct Hull {
@@ -110,16 +118,28 @@ fn hulls_of(piece: &Piece<'_>) -> Result<Vec<Hull>, ExportError> {
     let name = piece.to_string();
     let convex =
         convex_pieces(&around).ok_or_else(|| crate::mesh::MeshError { piece: name.clone() })?;
+    let farthest = around.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let least = THINNEST.max(SINGLE * farthest);
     Ok(convex
         .into_iter()
+        .map(|corners| corners.into_iter().map(|i| around[i as usize]).collect::<Vec<_>>())
+        .filter(|corners| thickness(corners) >= least)
         .enumerate()
         .map(|(i, corners)| Hull {
             name: if i == 0 { name.clone() } else { format!("{name}.{i}") },
             place,
-            corners: corners.into_iter().map(|i| around[i as usize]).collect(),
+            corners,
             extent: *extent,
         })
         .collect())
+}
+
+/// Returns how thick a convex polygon is: the distance of the farthest corner from the line through the longest side.
+fn thickness(corners: &[DVec2]) -> f64 {
+    let longest = edges(corners).max_by(|(a, b), (c, d)| a.distance(*b).total_cmp(&c.distance(*d)));
+    let Some((a, b)) = longest else { return 0.0 };
+    let along = (b - a).normalize_or_zero();
+    corners.iter().map(|corner| along.perp_dot(*corner - a)).fold(0.0, f64::max)
 }
 
 /// Writes the plane on which robots drive.

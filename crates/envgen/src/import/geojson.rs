@@ -46,6 +46,12 @@ const MAX_HOLED_CORNERS: usize = 1 << 16;
 /// The greatest distance of a disc's corner from its circle, as a share of the radius.
 const ON_CIRCLE: f64 = 1e-6;
 
+/// The least height of a triangle of a polygon with holes, as a share of its longest side.
+const NEEDLE: f64 = 1e-9;
+
+/// The same as a share of the greatest coordinate: four times by how much rounding moves a corner.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// The margin in metres by which the bounds of a file without width or height are enlarged on all sides.
 const LEAST_MARGIN: f64 = 0.5;
 
@@ -491,8 +497,18 @@ fn triangles(rings: &[Vec<DVec2>]) -> impl Iterator<Item = Shape> {
             }
             vertices
         })
-        .filter(|vertices| signed_area(vertices) > 0.0)
+        .filter(|vertices| !is_needle(vertices))
         .map(|vertices| Shape::Polygon { vertices })
         .collect();
     triangles.into_iter()
+}
+
+/// Whether the corners of a triangle lie on one line but for rounding, as those of nodes on a straight side do.
+fn is_needle(corners: &[DVec2]) -> bool {
+    let sides = (0..3).map(|i| corners[i].distance(corners[(i + 1) % 3]));
+    let longest = sides.fold(0.0, f64::max);
+    let farthest = corners.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+    let least = (NEEDLE * longest).max(ROUNDING * farthest);
+    // Twice the area is the longest side times the height on it; corners that coincide have neither.
+    2.0 * signed_area(corners) <= least * longest
 }

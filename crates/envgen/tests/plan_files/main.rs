@@ -3,6 +3,7 @@
 mod buildings;
 #[path = "../common/mod.rs"]
 mod common;
+mod geojson;
 
 use std::path::Path;
 
