@@ -98,6 +98,7 @@ def judge_geojson(world, report):
         original = left[name].pop(int(feature["id"].rsplit(" ", 1)[1]))
         if part == "road_strip":
             points = [point["pose"]["position"] for point in original["centreline"]]
+            points += points[:1] if original["closed"] else []
             wrong = geometry != LineString(points)
         else:
             shape = {"disc": original} if part == "tree" else original["shape"]

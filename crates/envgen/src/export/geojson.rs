@@ -3,6 +3,7 @@
 //! Coordinates are those of the world, x right and y up, and not longitude and latitude, as stated by the member
 //! `frame` of the collection. Each part is a feature. Its properties give its name (`part`), its kind (`kind`) and
 //! whether it stops a robot (`solid`). A disc is a polygon of 64 corners on its circle, with `center` and `radius`.
+//! The line of a closed road ends with its first point.
 
 use std::io::Write;
 
@@ -48,7 +49,9 @@ fn features(world: &World) -> impl Iterator<Item = Feature> + '_ {
         part(world, PartKind::Tree, i, &shape, true, json!({}))
     });
     let roads = world.road_strips.iter().enumerate().map(|(i, road)| {
-        let line = road.centreline.iter().map(|point| position(point.pose.position));
+        let again = road.centreline.first().filter(|_| road.closed);
+        let points = road.centreline.iter().chain(again);
+        let line = points.map(|point| position(point.pose.position));
         let properties = json!({ "closed": road.closed, "lanes": road.lanes, "width": road.width });
         of_geometry(
             world,

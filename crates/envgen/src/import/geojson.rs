@@ -449,6 +449,7 @@ impl Properties {
         Ok(())
     }
 
+    /// Adds a road. A line that ends at its first point is a closed road, unless the property `closed` says otherwise.
     fn add_road(&self, line: &[DVec2], world: &mut World) -> Result<(), PlanError> {
         let mut line = line.to_vec();
         line.dedup();
@@ -456,8 +457,17 @@ impl Properties {
             let allowed = "a line with at least two different points";
             return Err(PlanError::value(&self.field("geometry"), "a point".to_owned(), allowed));
         }
+        let meets = line.len() > 3 && line.first() == line.last();
+        let closed = self.get("closed", "true or false")?.unwrap_or(meets);
+        if closed && line.len() > 2 && line.first() == line.last() {
+            line.pop();
+        }
         let heading = |i: usize| {
-            let pair = if i + 1 < line.len() { [i, i + 1] } else { [i.saturating_sub(1), i] };
+            let pair = match i + 1 < line.len() {
+                true => [i, i + 1],
+                false if closed => [i, 0],
+                false => [i - 1, i],
+            };
             let along = line[pair[1]] - line[pair[0]];
             libm::atan2(along.y, along.x)
         };
@@ -471,7 +481,7 @@ impl Properties {
             pieces: Vec::new(),
             width: self.number("width")?.unwrap_or(1.0),
             lanes: self.get("lanes", &lanes)?.unwrap_or(1),
-            closed: self.get("closed", "true or false")?.unwrap_or(false),
+            closed,
         });
         Ok(())
     }

@@ -1,8 +1,15 @@
 //! Polygons and roads of GeoJSON.
 
+use std::f64::consts::FRAC_PI_2;
+
 use envgen::geometry::{signed_area, unit_vector};
 use envgen::glam::DVec2;
 use envgen::import::read_geojson;
+use envgen::road::{Prefab, RoadSpec};
+use envgen::{Blueprint, Seed, Spec};
+use serde_json::Value;
+
+use super::{SQUARE, assert_read_back_as_geojson, written};
 
 #[test]
 fn nodes_on_straight_sides_of_polygons_with_holes_are_no_needles() {
@@ -29,4 +36,40 @@ fn nodes_on_straight_sides_of_polygons_with_holes_are_no_needles() {
         assert!(areas.clone().all(|area| area > 1e-6), "{heading}: {areas:?}");
         assert!((areas.sum::<f64>() - 180.0).abs() < 1e-6, "{heading}");
     }
+}
+
+#[test]
+fn closed_roads_are_closed_lines() {
+    use Prefab::{Left, Straight};
+    let prefabs = [Straight, Left].repeat(4);
+    let spec = RoadSpec { prefabs, closed: true, speed: 10.0, ..Default::default() };
+    let world = spec.generate(Seed(3)).unwrap().to_world();
+    let text = written(&world, "a.geojson");
+    let collection: Value = serde_json::from_str(&text).unwrap();
+    let features = collection["features"].as_array().unwrap();
+    let road = features.iter().find(|feature| feature["id"] == "road_strip 0").unwrap();
+    let line = road["geometry"]["coordinates"].as_array().unwrap();
+    assert_eq!(line.first(), line.last());
+    assert_eq!(line.len(), world.road_strips[0].centreline.len() + 1);
+    assert_read_back_as_geojson(&world);
+    // Closed by its points alone, and not closed whatever its points are.
+    let read = |text: &str| {
+        let road = read_geojson(&mut text.as_bytes()).unwrap().road_strips.remove(0);
+        (road.closed, road.centreline.len())
+    };
+    let points = world.road_strips[0].centreline.len();
+    assert_eq!(read(&text), (true, points));
+    assert_eq!(read(&text.replace("\"closed\":true,", "")), (true, points));
+    let open = text.replace("\"closed\":true", "\"closed\":false");
+    assert_eq!(read(&open), (false, points + 1));
+    // The last point heads for the first.
+    let square = read_geojson(
+        &mut format!(
+            r#"{{"type": "Feature", "properties": {{"part": "road_strip"}},
+            "geometry": {{"type": "LineString", "coordinates": {SQUARE}}}}}"#
+        )
+        .as_bytes(),
+    );
+    let last = square.unwrap().road_strips[0].centreline[3].pose;
+    assert_eq!((last.position, last.heading), (DVec2::new(0.0, 10.0), -FRAC_PI_2));
 }
