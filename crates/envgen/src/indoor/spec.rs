@@ -464,7 +464,8 @@ impl IndoorSpec {
         self.profile == Profile::Calibrated && !is_kept
     }
 
-    fn check_metres(&self) -> Result<(), SpecError> {
+    /// Checks the settings in metres against each other.
+    pub(super) fn check_metres(&self) -> Result<(), SpecError> {
         let widest = to_nanometres(self.cell_size - 2.0 * self.wall_thickness);
         if self.doorway > widest {
             let allowed = format!("at most {widest} m, what a cell has between its walls");

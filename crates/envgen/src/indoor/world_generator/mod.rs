@@ -7,6 +7,9 @@
 //! `hallway` of one cell. A library's root is `roomList`; its `room`s have `name`, `src`, `size` ("depth, width,
 //! height", in cells) and `tag`.
 //!
+//! The root also has the settings in metres that are not the default: `cell_size`, `wall_thickness`, `wall_height`,
+//! `doorway`, `doorway_height` and `robot_radius`. They are no attributes of the tool, whose cells have no size.
+//!
 //! The files cannot represent everything: open areas become hallways, doorways between two cells move to the middle
 //! of a cell, and difficulties and contents remain in the catalogue.
 

@@ -21,6 +21,19 @@ use crate::xml_text::allowed;
 /// The greatest depth and width of a world that is read, in cells.
 const MAX_SIZE: u32 = 1024;
 
+/// The settings that are attributes of the root where they are not the default, and what they are in a spec. The tool,
+/// in whose files a cell has no size, does not read them.
+fn metres(spec: &mut IndoorSpec) -> [(&'static str, &mut f64); 6] {
+    [
+        ("cell_size", &mut spec.cell_size),
+        ("wall_thickness", &mut spec.wall_thickness),
+        ("wall_height", &mut spec.wall_height),
+        ("doorway", &mut spec.doorway),
+        ("doorway_height", &mut spec.doorway_height),
+        ("robot_radius", &mut spec.robot_radius),
+    ]
+}
+
 /// A project that was read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Project {
@@ -38,8 +51,8 @@ pub struct Project {
 /// library, empty and with its size.
 ///
 /// # Errors
-/// When the text is not the XML of a project, or when a room is unknown, extends beyond the world or overlaps
-/// another room.
+/// When the text is not the XML of a project, when a room is unknown, extends beyond the world or overlaps another
+/// room, or when a size in metres is not allowed.
 pub fn read_project(
     text: &str,
     catalogue: &Catalogue,
@@ -49,6 +62,7 @@ pub fn read_project(
     let depth = root.number("world", 1, "depth", (1, MAX_SIZE))?;
     let width = root.number("world", 1, "width", (1, MAX_SIZE))?;
     let name = root.get("name").unwrap_or_default().to_owned();
+    let spec = spec(&root, width, depth)?;
     let mut reading = Reading {
         known: library.iter().map(|room| (room.name.as_str(), room)).collect(),
         catalogue,
@@ -80,7 +94,6 @@ pub fn read_project(
         .collect();
     let doors_ignored = doors - openings.len();
     sort_openings(&mut openings);
-    let spec = IndoorSpec { width, height: depth, profile: Profile::Thesis, ..Default::default() };
     let plan = FloorPlan {
         spec: Box::new(spec),
         seed: None,
@@ -93,6 +106,26 @@ pub fn read_project(
         choice: None,
     };
     Ok(Project { name, plan, doors_ignored, elements_ignored })
+}
+
+/// Returns the settings of a project.
+fn spec(root: &Element, width: u32, height: u32) -> Result<IndoorSpec, WorldGeneratorError> {
+    let mut spec = IndoorSpec { width, height, profile: Profile::Thesis, ..Default::default() };
+    for (name, value) in metres(&mut spec) {
+        *value = root.metres("world", 1, name, *value)?;
+    }
+    let wrong = spec.check_metres();
+    wrong.map_err(|error| {
+        let names = metres(&mut spec).map(|(name, _)| name);
+        WorldGeneratorError::Attribute {
+            element: "world",
+            number: 1,
+            attribute: names.into_iter().find(|name| error.field == *name).unwrap_or_default(),
+            value: error.value,
+            allowed: error.allowed,
+        }
+    })?;
+    Ok(spec)
 }
 
 struct Reading<'a> {
@@ -179,11 +212,18 @@ fn door(
 pub fn write_project(plan: &FloorPlan, name: &str, out: &mut impl io::Write) -> io::Result<()> {
     let grid = plan.grid();
     let mut writer = Writer::new_with_indent(out, b' ', 2);
-    writer
+    let mut world = writer
         .create_element("world")
         .with_attribute(("depth", grid.height().to_string().as_str()))
         .with_attribute(("width", grid.width().to_string().as_str()))
-        .with_attribute(("name", &*allowed(name)))
+        .with_attribute(("name", &*allowed(name)));
+    let (mut spec, mut usual) = (plan.spec().clone(), IndoorSpec::default());
+    for ((name, value), (_, usual)) in metres(&mut spec).into_iter().zip(metres(&mut usual)) {
+        if *value != *usual {
+            world = world.with_attribute((name, value.to_string().as_str()));
+        }
+    }
+    world
         .write_inner_content(|writer| {
             let mut room = |name: &str, x: u32, y: u32, theta: u8| -> io::Result<()> {
                 writer

@@ -65,6 +65,51 @@ fn libraries_are_read_and_written() {
     }
 }
 
+#[test]
+fn sizes_in_metres_come_back() {
+    let spec = IndoorSpec {
+        width: 8,
+        height: 8,
+        cell_size: 6.0,
+        wall_thickness: 0.3,
+        wall_height: 3.5,
+        doorway: 1.5,
+        doorway_height: 2.0,
+        robot_radius: 0.3,
+        ..Default::default()
+    };
+    let written = |plan: &crate::indoor::FloorPlan| {
+        let mut text = Vec::new();
+        write_project(plan, "w", &mut text).unwrap();
+        String::from_utf8(text).unwrap()
+    };
+    let plan = spec.generate(Seed(3)).unwrap();
+    let text = written(&plan);
+    let back = read(&text).unwrap().plan;
+    assert_eq!(written(&back), text);
+    let (world, read_back) = (plan.to_world(), back.to_world());
+    assert_eq!(read_back.bounds, world.bounds);
+    assert_eq!(read_back.wall_top(), 3.5);
+    assert_eq!(read_back.doorways[0].extent().top(), 2.0);
+    assert_eq!(read_back.rooms[0].shape, world.rooms[0].shape);
+    // Usual sizes are not stated.
+    let usual = IndoorSpec { width: 8, height: 8, ..Default::default() };
+    let usual = written(&usual.generate(Seed(3)).unwrap());
+    assert_eq!(usual.lines().next(), Some(r#"<world depth="8" width="8" name="w">"#));
+    let error = |attributes: &str| {
+        let text = format!("<world depth=\"4\" width=\"4\" name=\"w\" {attributes}/>");
+        read(&text).unwrap_err().to_string()
+    };
+    assert_eq!(
+        error("cell_size=\"0\""),
+        "`world` 1: `cell_size` must be a number from 1.2 to 12, got `0`"
+    );
+    assert!(error("wall_height=\"NaN\"").contains("`wall_height` must be a number"));
+    assert!(error("doorway=\"\"").contains("got ``"));
+    let error = error("cell_size=\"1.2\" wall_thickness=\"0.4\"");
+    assert!(error.contains("`doorway` must be at most 0.4 m"), "{error}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
     #[test]

@@ -4,6 +4,7 @@ use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
 use super::error::{MAX_TEXT, WorldGeneratorError};
+use crate::indoor::spec::IndoorSpec;
 
 /// Reads a document element by element: the root first, then its children. Deeper elements, text and comments are
 /// skipped.
@@ -166,6 +167,25 @@ impl Element {
                 value: found.map_or_else(|| "nothing".to_owned(), |text| format!("`{text}`")),
                 allowed: format!("a whole number from {least} to {most}"),
             }
+        })
+    }
+    /// Returns the number of an attribute that has the name of a setting, or the usual one if the attribute is absent.
+    pub(super) fn metres(
+        &self,
+        element: &'static str,
+        number: usize,
+        setting: &'static str,
+        usual: f64,
+    ) -> Result<f64, WorldGeneratorError> {
+        let Some(text) = self.get(setting) else { return Ok(usual) };
+        let limits = IndoorSpec::setting(setting);
+        let value = text.trim().parse().ok().filter(|value| limits.check(*value).is_ok());
+        value.ok_or_else(|| WorldGeneratorError::Attribute {
+            element,
+            number,
+            attribute: setting,
+            value: format!("`{text}`"),
+            allowed: limits.allowed_text(),
         })
     }
 }
