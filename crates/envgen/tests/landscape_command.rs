@@ -68,6 +68,17 @@ fn every_format_holds_the_landscape_that_was_asked() {
 }
 
 #[test]
+fn tasks_name_their_map_as_it_was_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = folder.path().join("U.MAP");
+    let output = run(&["generate", "landscape", "--out", map.to_str().unwrap()]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let tasks = std::fs::read_to_string(folder.path().join("U.scen")).unwrap();
+    assert!(tasks.lines().skip(1).all(|task| task.split('\t').nth(1) == Some("U.MAP")), "{tasks}");
+    assert_eq!(tasks.lines().count(), 101);
+}
+
+#[test]
 fn samples_have_the_fields_and_can_be_measured() {
     let folder = tempfile::tempdir().unwrap();
     let line = json(&[

@@ -43,6 +43,9 @@ pub struct Job<'a> {
     pub blueprint: Option<&'a WorldBlueprint>,
     /// The file's name without its ending, for formats with several files that refer to each other.
     pub stem: String,
+    /// The name of the format's first file, to which its other files refer; `None` if it is the stem with the format's
+    /// ending.
+    pub name: Option<String>,
     /// Side in metres of the cells of maps whose cell size can be chosen; `None` for the default
     /// ([`ros_map::usual_resolution`]).
     pub resolution: Option<f64>,
@@ -60,6 +63,7 @@ impl<'a> Job<'a> {
             world,
             blueprint: None,
             stem: "world".to_owned(),
+            name: None,
             resolution: None,
             scenario: None,
             #[cfg(feature = "picture")]
@@ -73,6 +77,7 @@ impl<'a> Job<'a> {
         if let Some(stem) = path.file_stem() {
             job.stem = stem.to_string_lossy().into_owned();
         }
+        job.name = path.file_name().map(|name| name.to_string_lossy().into_owned());
         job
     }
 
@@ -109,7 +114,7 @@ impl<'a> Job<'a> {
     #[cfg(feature = "paths")]
     pub(super) fn write_scenarios(&self, out: &mut dyn Write) -> Result<(), ExportError> {
         let seed = self.world.provenance.seed.unwrap_or(Seed(0));
-        let map = format!("{}.map", self.stem);
+        let map = self.name.clone().unwrap_or_else(|| format!("{}.map", self.stem));
         let tasks = movingai::scenarios(self.raster()?, &map, TASKS, seed)?;
         Ok(movingai::write_scenarios(&tasks, out)?)
     }
