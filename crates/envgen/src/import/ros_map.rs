@@ -392,24 +392,39 @@ fn description_at(path: &Path) -> Option<RosDescription> {
 /// Returns a warning about a ROS map whose unknown cells seem to be free; `None` for other maps and other files.
 ///
 /// Savers of Nav2 write the grey 205 for unknown cells, and by default the threshold 0.25 for free ones, which makes
-/// unknown cells free.
+/// unknown cells free. In trinary maps, an alpha channel makes them free under any usual threshold, because its opaque
+/// white is averaged in.
 pub fn unknown_cells_warning(path: &Path) -> Option<String> {
     let description = description_at(path)?;
     let bytes = file::read_bytes(&mut File::open(description.image_path(path)).ok()?).ok()?;
-    let is_suspect = |shade: Shade| {
-        (255.0 * shade.colour).round() == SAVED_UNKNOWN && description.cell(&shade) == RosCell::Free
+    let is_free = |shade: &Shade| description.cell(shade) == RosCell::Free;
+    // Whether it is suspect, and whether alpha counts.
+    let suspect = |shade: Shade| {
+        let is_saved = (255.0 * shade.colour).round() == SAVED_UNKNOWN;
+        let is_mixed = description.mode == RosMode::Trinary && shade.alpha.is_some();
+        (is_saved && is_free(&shade)).then_some(is_mixed)
     };
-    let pixels = read_image(&bytes, is_suspect).ok()?.pixels;
-    let suspect = pixels.iter().filter(|is_suspect| **is_suspect).count();
-    let share = suspect as f64 / pixels.len() as f64;
-    (share >= SUSPECT_SHARE).then(|| {
-        format!(
-            "{:.0} % of the pixels have the grey {SAVED_UNKNOWN}, which savers of maps write for unknown cells, but \
-             `free_thresh: {}` makes them free: with 0.196 they are unknown",
-            100.0 * share,
-            description.free_thresh
-        )
-    })
+    let pixels = read_image(&bytes, suspect).ok()?.pixels;
+    let suspects = || pixels.iter().flatten();
+    let share = suspects().count() as f64 / pixels.len() as f64;
+    if share < SUSPECT_SHARE {
+        return None;
+    }
+    let is_mixed = suspects().any(|is_mixed| *is_mixed);
+    let is_low = !is_free(&Shade { colour: SAVED_UNKNOWN / 255.0, alpha: None });
+    let free = format!("`free_thresh: {}` makes them free", description.free_thresh);
+    let cause = match (is_low, is_mixed) {
+        (true, _) => "the alpha channel makes them free, as trinary maps count it as a fourth colour: save the \
+                      image without alpha"
+            .to_owned(),
+        (false, true) => format!("{free}: with 0.196, and an image without alpha, they are unknown"),
+        (false, false) => format!("{free}: with 0.196 they are unknown"),
+    };
+    Some(format!(
+        "{:.0} % of the pixels have the grey {SAVED_UNKNOWN}, which savers of maps write for unknown cells, but \
+         {cause}",
+        100.0 * share
+    ))
 }
 
 /// Reads the YAML of a map, and the image that it names. `path` is the path of the YAML file.

@@ -311,3 +311,30 @@ fn unknown_cells_that_are_free_give_a_warning() {
     assert!(text.contains("`free_thresh: 0.25` makes them free"), "{text}");
     assert_eq!(unknown_cells_warning(&folder.path().join("map.pgm")), None);
 }
+
+#[test]
+fn alpha_that_makes_unknown_cells_free_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, 2, 1);
+    encoder.set_color(png::ColorType::GrayscaleAlpha);
+    encoder.write_header().unwrap().write_image_data(&[205, 255, 0, 255]).unwrap();
+    std::fs::write(folder.path().join("map.png"), file).unwrap();
+    let path = folder.path().join("map.yaml");
+    let warning = |free: f64, mode: &str| {
+        let text = format!(
+            "image: map.png\nresolution: 1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n\
+             free_thresh: {free}\nmode: {mode}\n"
+        );
+        std::fs::write(&path, text).unwrap();
+        unknown_cells_warning(&path)
+    };
+    let text = warning(0.196, "trinary").unwrap();
+    assert!(text.ends_with("save the image without alpha"), "{text}");
+    assert!(!text.contains("0.196"), "{text}");
+    let text = warning(0.25, "trinary").unwrap();
+    assert!(text.ends_with("with 0.196, and an image without alpha, they are unknown"), "{text}");
+    // Where alpha does not count, only the threshold is named.
+    assert_eq!(warning(0.196, "scale"), None);
+    assert!(warning(0.25, "scale").unwrap().ends_with("with 0.196 they are unknown"));
+}
