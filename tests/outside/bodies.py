@@ -129,16 +129,22 @@ def compare(reader, found, parts, report):
 
 
 def judge_places(reader, found, data, report):
-    """Start and goal are where the world has them; `found` has x, y and heading by name."""
-    for name in ("start", "goal"):
-        if (name in found) != (data[name] is not None):
-            report.complain(f"{reader}: {name} is there, or not, against the world")
-        elif name in found:
-            place = [*data[name]["position"], data[name]["heading"]]
-            off = np.subtract(found[name], place)
-            off[2] = np.arctan2(np.sin(off[2]), np.cos(off[2]))
-            if np.abs(off).max() > OFF:
-                report.complain(f"{reader}: {name} is at {found[name]}, not {place}")
+    """Start, goal and victims are where the world has them; `found` has x, y and heading by name."""
+    poses = places_of(data)
+    for name in sorted(found.keys() ^ poses.keys()):
+        report.complain(f"{reader}: {name} is there, or not, against the world")
+    for name in found.keys() & poses.keys():
+        place = [*poses[name]["position"], poses[name]["heading"]]
+        off = np.subtract(found[name], place)
+        off[2] = np.arctan2(np.sin(off[2]), np.cos(off[2]))
+        if np.abs(off).max() > OFF:
+            report.complain(f"{reader}: {name} is at {found[name]}, not {place}")
+
+
+def places_of(data):
+    """The poses of start, goal and victims, by the names that they have in the files."""
+    victims = {f"victim_{i}": pose for i, pose in enumerate(data.get("victims", []))}
+    return {name: data[name] for name in ("start", "goal") if data[name]} | victims
 
 
 def judge_provenance(reader, text, data, report):
@@ -308,8 +314,8 @@ def judge_glb(file, data, parts, report):
             report.complain(f"trimesh: {name} has {mesh.volume} m^3, not {volume}")
     compare("glTF", found, parts, report)
     places = {}
-    for name in ("start", "goal"):
-        if name in scene.graph.nodes:
+    for name in scene.graph.nodes:
+        if name in ("start", "goal") or name.startswith("victim_"):
             matrix = scene.graph[name][0]
             # The direction of the node's x.
             heading = np.arctan2(-matrix[2, 0], matrix[0, 0])

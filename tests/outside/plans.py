@@ -244,6 +244,11 @@ def judge_table(world, report):
             place = [float(row["x"]), float(row["y"])]
             if (row["part"], place) != (name, pose["position"]):
                 report.complain(f"the table has another {name}")
+    for i, pose in enumerate(world.data.get("victims", [])):
+        row = rows.pop(0)
+        place = [float(row["x"]), float(row["y"])]
+        if ([row["part"], row["index"]], place) != (["victim", str(i)], pose["position"]):
+            report.complain(f"the table has another victim {i}")
     expected = shapes.solids(world.data)
     if len(rows) != len(expected):
         report.complain(f"the table has {len(rows)} solids, not {len(expected)}")

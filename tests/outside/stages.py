@@ -29,7 +29,7 @@ def judge(world, report):
     for prim in root.GetChildren():
         matrix = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(0))
         name = prim.GetName()
-        if name in ("start", "goal"):
+        if name in ("start", "goal") or name.startswith("victim_"):
             places[name] = [*matrix[3, :2], np.arctan2(matrix[0, 1], matrix[0, 0])]
             continue
         if name == "floor_plane":

@@ -13,7 +13,7 @@ use envgen::pieces::{Form, pieces};
 use envgen::world::{Extent, Wall, WallKind};
 use quick_xml::Reader;
 use quick_xml::events::Event;
-use samples::{with_polygon, worlds, write};
+use samples::{place_names, with_polygon, worlds, write};
 use serde_json::Value;
 
 /// The elements of a document: name, attributes, and the text in it.
@@ -76,20 +76,21 @@ fn every_piece_is_in_every_file() {
 
         let sdf = elements(&write(&world, "sdf"));
         assert_eq!(named(&sdf, "link")[1..], names);
-        assert_eq!(named(&sdf, "frame"), ["start", "goal"]);
+        assert_eq!(named(&sdf, "frame"), place_names(&world));
 
         let mjcf = elements(&write(&world, "mjcf.xml"));
         let mut geoms = named(&mjcf, "geom");
         geoms.retain(|name| name != "floor" && !name.contains('.'));
         assert_eq!(geoms, names);
-        assert_eq!(named(&mjcf, "site"), ["start", "goal"]);
+        assert_eq!(named(&mjcf, "site"), place_names(&world));
 
         let file = write(&world, "glb");
         let (json, buffer) = chunks(&file);
         let nodes = json["nodes"].as_array().unwrap();
         let found: Vec<&str> = nodes.iter().map(|node| node["name"].as_str().unwrap()).collect();
         let mut names: Vec<String> = all.iter().map(ToString::to_string).collect();
-        names.extend(["start", "goal", "world"].map(str::to_owned));
+        names.extend(place_names(&world));
+        names.push("world".to_owned());
         assert_eq!(found, names);
         assert_eq!(json["buffers"][0]["byteLength"], buffer.len());
         let provenance = serde_json::to_value(&world.provenance).unwrap();

@@ -8,7 +8,7 @@ use envgen::geometry::Shape;
 use envgen::pieces::{Form, pieces};
 use openusd::sdf::Value;
 
-use samples::{with_polygon, worlds, write};
+use samples::{place_names, with_polygon, worlds, write};
 
 #[test]
 fn files_are_the_same_to_the_byte() {
@@ -31,7 +31,7 @@ fn every_piece_is_a_prim() {
         };
         let found: Vec<&str> = found.iter().map(|name| name.as_str()).collect();
         let all = pieces(&world);
-        let names = ["start", "goal"].map(str::to_owned).into_iter();
+        let names = place_names(&world).into_iter();
         let names = names.chain(all.iter().map(ToString::to_string));
         let names: Vec<String> = names.chain(["floor_plane".to_owned()]).collect();
         assert_eq!(found, names);

@@ -64,7 +64,7 @@ formats! {
     Csv, " The waypoints of the roads as comma-separated values.",
         ["csv" => |job, out| super::csv::write(job.world, out)];
     #[cfg(feature = "csv")]
-    ObstaclesCsv, " What is solid, start and goal as comma-separated values.",
+    ObstaclesCsv, " What is solid, start, goal and victims as comma-separated values.",
         ["obstacles.csv" => |job, out| super::obstacles_csv::write(job.world, out)];
     #[cfg(feature = "geojson")]
     GeoJson, " All parts, start and goal as GeoJSON, in metres.",

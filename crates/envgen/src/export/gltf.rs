@@ -1,9 +1,9 @@
 //! Worlds as glTF 2.0 in a binary file (GLB).
 //!
 //! Each piece of the world is a node below the node `world` and has the name of the piece. Its `extras` hold the
-//! part's list and index, and its kind and role. Pieces of the same form share their mesh. Start and goal are nodes
-//! without a mesh. The provenance is in the extras of the asset. In glTF, y points up: x is the world's x, -z its
-//! y, and y the height. Numbers have 32 bits: positions in a piece are relative to its middle, and middles are
+//! part's list and index, and its kind and role. Pieces of the same form share their mesh. Start, goal and victims
+//! are nodes without a mesh. The provenance is in the extras of the asset. In glTF, y points up: x is the world's x,
+//! -z its y, and y the height. Numbers have 32 bits: positions in a piece are relative to its middle, and middles are
 //! relative to a whole number of metres near the middle of the world.
 
 use std::collections::BTreeMap;
@@ -54,7 +54,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
     for (name, pose) in places(world) {
         let (sin, cos) = libm::sincos(0.5 * pose.heading);
         let node = Node {
-            name: Some(name.to_owned()),
+            name: Some(name),
             translation: Some(narrow(up((pose.position - origin).extend(0.0)))),
             rotation: Some(UnitQuaternion([0.0, sin as f32, 0.0, cos as f32])),
             ..Node::default()

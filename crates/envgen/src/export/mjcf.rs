@@ -3,10 +3,10 @@
 //! Each piece of the world is a geom of the world body with the name of the piece. Its material has the name of the
 //! piece's kind. Geoms are boxes, cylinders and ellipsoids. Outlines of other forms are meshes; because MuJoCo
 //! takes the convex hull of a mesh, those that are not convex are divided into convex pieces: `obstacle_3`,
-//! `obstacle_3.1` and so on. Floors, surfaces and crowns do not collide; robots drive on the plane `floor`. Start
-//! and goal are sites. The provenance is a custom text. Middle and extent of the model are stated, and with them
-//! planes between which cameras see the whole world from 1 cm on; of the extent that MuJoCo would compute, the near
-//! plane would be 1 %.
+//! `obstacle_3.1` and so on. Floors, surfaces and crowns do not collide; robots drive on the plane `floor`. Start,
+//! goal and victims are sites. The provenance is a custom text. Middle and extent of the model are stated, and with
+//! them planes between which cameras see the whole world from 1 cm on; the near plane would otherwise be 1 % of the
+//! extent that MuJoCo computes.
 
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -86,7 +86,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
             for (name, pose) in places(world) {
                 let pos = numbers(pose.position.extend(0.0).to_array());
                 let euler = numbers([0.0, 0.0, pose.heading]);
-                xml.leaf("site", &[("name", name.into()), ("pos", pos), ("euler", euler)])?;
+                xml.leaf("site", &[("name", name), ("pos", pos), ("euler", euler)])?;
             }
             pieces.iter().zip(&hulls).try_for_each(|(piece, hulls)| geoms(xml, piece, hulls))
         })

@@ -1,10 +1,11 @@
-//! The solid parts of a world, with start and goal, as comma-separated values.
+//! The solid parts of a world, with start, goal and victims, as comma-separated values.
 //!
 //! There is one line per part under the header
 //! `part,index,kind,shape,x,y,heading,length,width,radius,points,bottom,top`: the part's list and its index in that
 //! list, its kind, its shape in metres and radians, and the heights of its bottom and top in metres. A `box` has a
 //! centre, a heading, and its size along and across the heading; a `disc` has a centre and a radius; a `segment`
-//! and a `polygon` have their points, as `x y` with semicolons between them. A `pose` is the start or the goal.
+//! and a `polygon` have their points, as `x y` with semicolons between them. A `pose` is the start, the goal or a
+//! victim.
 //! Numbers have as many digits as are needed to read the same numbers back.
 
 use std::io::Write;
@@ -40,16 +41,17 @@ struct Row<'a> {
     top: Option<f64>,
 }
 
-/// Writes start, goal and every solid part of a world.
+/// Writes start, goal, victims and every solid part of a world.
 pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
     // The header is there without parts too.
     let mut table = csv::WriterBuilder::new().has_headers(false).from_writer(out);
     table.write_record(HEADER).map_err(io_error)?;
-    for (name, pose) in [("start", world.start), ("goal", world.goal)] {
-        if let Some(Pose { position, heading }) = pose {
-            let row = Row { part: name, shape: "pose", heading: Some(heading), ..at(position) };
-            table.serialize(row).map_err(io_error)?;
-        }
+    let ends = [("start", world.start), ("goal", world.goal)].into_iter();
+    let ends = ends.filter_map(|(name, pose)| Some((name, None, pose?)));
+    let victims = (0..).zip(&world.victims).map(|(i, &pose)| ("victim", Some(i), pose));
+    for (part, index, Pose { position, heading }) in ends.chain(victims) {
+        let row = Row { part, index, shape: "pose", heading: Some(heading), ..at(position) };
+        table.serialize(row).map_err(io_error)?;
     }
     let name = |of: &dyn Fn() -> serde_json::Result<serde_json::Value>| {
         of().ok().and_then(|name| name.as_str().map(str::to_owned)).unwrap_or_default()

@@ -2,8 +2,8 @@
 //!
 //! The static model `parts` has a link for each piece of the world, with the name of the piece. The link has a
 //! collision and a visual with the name of the piece's kind: boxes, cylinders and extruded outlines. Floors,
-//! surfaces and crowns have no collision. The model `floor` is a plane on which robots drive. Start and goal are
-//! frames. The provenance is an element of the namespace `envgen`, which readers skip.
+//! surfaces and crowns have no collision. The model `floor` is a plane on which robots drive. Start, goal
+//! and victims are frames. The provenance is an element of the namespace `envgen`, which readers skip.
 
 use std::io::Write;
 
@@ -29,7 +29,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
         xml.nest("world", &[("name", world.provenance.kind.clone())], |xml| {
             xml.text("envgen:provenance", &provenance)?;
             for (name, pose) in places(world) {
-                xml.nest("frame", &[("name", name.to_owned())], |xml| {
+                xml.nest("frame", &[("name", name)], |xml| {
                     self::pose(xml, pose.position, 0.0, pose.heading)
                 })?;
             }

@@ -2,8 +2,9 @@
 //!
 //! Each piece of the world is a prim below `/World` with the name of the piece, in metres with z up: a cube, a
 //! cylinder or a sphere, and for other outlines a closed mesh. Solids have USD's `PhysicsCollisionAPI`; meshes
-//! collide with their triangles. Kind, role, list and index of a part are `userProperties`. Start and goal are
-//! prims without a form, whose x axis is the heading. The provenance is `userProperties:provenance` of `/World`.
+//! collide with their triangles. Kind, role, list and index of a part are `userProperties`. Start, goal and
+//! victims are prims without a form, whose x axis is the heading. The provenance is `userProperties:provenance` of
+//! `/World`.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -47,7 +48,7 @@ pub(super) fn write(world: &World, mut out: &mut dyn Write) -> Result<(), Export
     root.fields.push((FieldKey::Kind.as_str(), token("component")));
     root.user(&mut layer, "provenance", "string", Value::String(provenance))?;
     for (name, pose) in places(world) {
-        let mut place = root.child(name, "Xform")?;
+        let mut place = root.child(&name, "Xform")?;
         place.transform(&mut layer, pose.position.extend(0.0), pose.heading, None)?;
         place.finish(&mut layer);
     }

@@ -19,9 +19,19 @@ pub(crate) fn worlds() -> Vec<World> {
             }
             spec.set("speeds", "0,1,0.5").unwrap();
         }
-        spec.generate(Seed(5)).unwrap().to_world()
+        let mut world = spec.generate(Seed(5)).unwrap().to_world();
+        if world.victims.is_empty() {
+            world.victims.extend(world.goal);
+        }
+        world
     });
     worlds.collect()
+}
+
+/// The names of a world's start, goal and victims in files.
+pub(crate) fn place_names(world: &World) -> Vec<String> {
+    let victims = (0..world.victims.len()).map(|i| format!("victim_{i}"));
+    ["start", "goal"].map(str::to_owned).into_iter().chain(victims).collect()
 }
 
 /// A world in the format of a file's ending.

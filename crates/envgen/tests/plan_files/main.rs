@@ -547,8 +547,14 @@ fn what_is_solid_comes_back_from_tables() {
             let shape = match fields[3] {
                 "pose" => {
                     let pose = Pose { position: at(), heading: number(6) };
-                    let end = if fields[0] == "start" { &mut read.start } else { &mut read.goal };
-                    *end = Some(pose);
+                    match fields[0] {
+                        "start" => read.start = Some(pose),
+                        "goal" => read.goal = Some(pose),
+                        _ => {
+                            assert_eq!(fields[..2], ["victim", &read.victims.len().to_string()]);
+                            read.victims.push(pose);
+                        }
+                    }
                     continue;
                 }
                 "disc" => Shape::Disc { center: at(), radius: number(9) },
@@ -568,6 +574,7 @@ fn what_is_solid_comes_back_from_tables() {
         };
         assert_eq!(heights(&read), heights(&world));
         assert_eq!((read.start, read.goal), (world.start, world.goal));
+        assert_eq!(read.victims, world.victims);
         assert_eq!(read.obstacles.len(), world.solids().count());
         assert_same_free_space(&world, &read, 1e-12);
     }
