@@ -572,3 +572,14 @@ fn what_moves_is_generated_drawn_and_read_back() {
     let error = folder.error("generate forest --set doors=0.5 --out x.png", 2);
     assert!(error.contains("no open doorway"), "{error}");
 }
+
+#[test]
+fn an_unknown_ending_lists_what_a_world_of_a_file_can_become() {
+    let folder = Folder::new();
+    folder.notes("generate hallway --seed 7 --out a.json");
+    let listed = folder.error("convert a.json --out b.xyz", 2);
+    assert!(listed.contains(".json, .ron, .xodr") && listed.contains(".yaml"), "{listed}");
+    assert!(!listed.contains(" .xml, ") && !listed.contains(".scenario.ron"), "{listed}");
+    let listed = folder.error("generate hallway --seed 7 --out b.xyz", 2);
+    assert!(listed.contains(" .xml, ") && listed.contains(".scenario.ron"), "{listed}");
+}

@@ -128,6 +128,17 @@ impl Format {
         self.files()[0].0
     }
 
+    /// Returns whether a world is enough for the format: it needs neither the plan from which the world was built nor
+    /// what moves in it.
+    pub fn needs_only_a_world(self) -> bool {
+        match self {
+            Format::Scenario => false,
+            #[cfg(feature = "usarsim")]
+            Format::WorldGenerator => false,
+            _ => true,
+        }
+    }
+
     /// Returns the format that the ending of a file's name selects, in upper or lower case.
     ///
     /// ```
@@ -155,15 +166,22 @@ impl Format {
         let fitting = NEEDED.iter().map(|(endings, features)| (endings[0], features));
         let meant = fitting.filter(|(ending, _)| ends(ending).is_some());
         let Some((ending, features)) = meant.max_by_key(|(ending, _)| ending.len()) else {
-            let known: Vec<_> = Format::ALL.iter().map(|format| format!(".{format}")).collect();
-            let known = known.join(", ");
-            return Err(ExportError::UnknownEnding { path: path.to_owned(), known });
+            return Err(ExportError::UnknownEnding {
+                path: path.to_owned(),
+                known: Format::endings(|_| true),
+            });
         };
         let format = Format::ALL.iter().copied().find(|format| format.ending() == ending);
         format.ok_or_else(|| ExportError::Feature {
             path: path.to_owned(),
             feature: features.first().copied().unwrap_or_default(),
         })
+    }
+
+    /// Returns the endings of some formats of this build, as a list for an error.
+    pub fn endings(of: impl Fn(Format) -> bool) -> String {
+        let some = Format::ALL.iter().filter(|format| of(**format));
+        some.map(|format| format!(".{format}")).collect::<Vec<_>>().join(", ")
     }
 
     /// Writes the format's first file, which is the only one for most formats.

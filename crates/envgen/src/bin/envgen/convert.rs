@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
-    let files = arguments.writing.begin(&arguments.file.inputs())?;
+    let files = arguments.writing.begin_without_plan(&arguments.file.inputs())?;
     let steps = steps(1 + files.count());
     steps.begin("reading");
     let world = arguments.file.read()?;

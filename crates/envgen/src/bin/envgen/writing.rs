@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use envgen::export::ros_map::{self, RESOLUTIONS, size_in_cells, usual_resolution};
-use envgen::export::{Format, Job, Output};
+use envgen::export::{ExportError, Format, Job, Output, OutputError};
 use envgen::located::Locate;
 use envgen::picture::{PictureError, PictureOptions};
 use envgen::scenario::Scenario;
@@ -45,8 +45,28 @@ pub(crate) struct Begun {
 impl Writing {
     /// Begins the files, after all options were checked; none of them may be an input.
     pub(crate) fn begin(&self, inputs: &[PathBuf]) -> Result<Begun, Failure> {
+        self.begin_in(inputs, |_| true)
+    }
+
+    /// The same for a world of a file, which has no plan: an unknown ending lists only the formats that do without.
+    pub(crate) fn begin_without_plan(&self, inputs: &[PathBuf]) -> Result<Begun, Failure> {
+        self.begin_in(inputs, Format::needs_only_a_world)
+    }
+
+    fn begin_in(
+        &self,
+        inputs: &[PathBuf],
+        is_possible: fn(Format) -> bool,
+    ) -> Result<Begun, Failure> {
         let picture = self.picture.options()?;
-        let outputs = Output::all(&self.out, inputs)?;
+        let outputs = Output::all(&self.out, inputs).map_err(|mut located| {
+            if let OutputError::Format(ExportError::UnknownEnding { known, .. }) =
+                &mut located.error
+            {
+                *known = Format::endings(is_possible);
+            }
+            located
+        })?;
         let resolution = self.resolution;
         check_resolution(resolution, &outputs)?;
         self.picture.check_use(&outputs)?;
