@@ -232,15 +232,16 @@ impl Session {
         self.refusal = None;
     }
 
-    /// Writes the document to its file. Returns whether this was possible.
+    /// Writes the document to its file. Returns whether the file holds all of it; otherwise the changes count as not
+    /// saved.
     pub(crate) fn save(&mut self) -> bool {
         let saved = saving::save(&self.document, Path::new(self.out.trim()));
-        let is_saved = saved.is_ok();
-        if is_saved {
+        let is_whole = saved.as_ref().is_ok_and(|saved| saved.is_whole);
+        if is_whole {
             self.document.mark_saved();
         }
-        self.report(saved);
-        is_saved
+        self.report(saved.map(|saved| saved.text));
+        is_whole
     }
 
     fn report(&mut self, result: Result<String, Box<dyn Error>>) {
@@ -260,6 +261,7 @@ impl Session {
         if self.document.is_changed() { self.asks = true } else { self.closes = true }
     }
 
+    /// Carries out an answer. The window stays if the file lacks something, which the status line says.
     pub(crate) fn answer(&mut self, answer: Answer) {
         self.asks = false;
         self.closes = match answer {
