@@ -9,9 +9,9 @@ use envgen::assignment::{Assignment, assignments};
 use envgen::edit::Document;
 use envgen::indoor::{Catalogue, IndoorSpec};
 use envgen::located::Locate;
-use envgen::{Seed, WorldKind, WorldSpec, import};
+use envgen::{Seed, World, WorldKind, WorldSpec, import};
 
-use crate::saving::FOLDER;
+use crate::saving::{self, FOLDER};
 use crate::spec_file;
 
 /// Change a world by hand: rooms, hallways and doorways of indoor maps, and the parts of any other world.
@@ -34,8 +34,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FOLDER")]
     rooms: Option<PathBuf>,
 
-    /// The file that Ctrl+S writes; its ending selects the format [default: a file that can be written again, else
-    /// out/edit/NAME.ron].
+    /// The file that Ctrl+S writes; its ending selects the format [default: the opened file, if it is a world or a
+    /// project that can be written again as a whole, else out/edit/NAME.ron or, where that exists, a name with a
+    /// number].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -99,20 +100,21 @@ impl Arguments {
     fn open_world(&self, path: &Path) -> Result<Opened, Box<dyn Error>> {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
         let catalogue = self.catalogue(Catalogue::builtin())?;
-        let (document, note) = if ending.as_deref() == Some("xml") {
+        // A file of which only a part was read is not replaced by that part.
+        let (document, is_whole, note) = if ending.as_deref() == Some("xml") {
             let mut file = File::open(path).in_file(path)?;
             let project = import::read_world_generator_project(&mut file, &catalogue, &[]);
             let project = project.in_file(path)?;
             let ignored = project.doors_ignored + project.elements_ignored;
             let note = format!("{ignored} doors or other elements of the file lead nowhere");
-            (Document::from_plan(project.plan), (ignored > 0).then_some(note))
+            (Document::from_plan(project.plan), ignored == 0, (ignored > 0).then_some(note))
         } else {
-            (Document::from_world(import::read_world(path).in_file(path)?), None)
+            let (world, is_whole) = read(path, ending.as_deref())?;
+            (Document::from_world(world), is_whole, None)
         };
         check_size(&document, &self.what)?;
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let is_written_again =
-            matches!(ending.as_deref(), Some("ron" | "json" | "xml" | "geojson"));
+        let is_written_again = is_whole && saving::gives_back(path);
         let again = if is_written_again { path.to_owned() } else { usual(&stem) };
         let catalogue = match (&self.rooms, document.plan()) {
             (None, Some(plan)) => IndoorSpec::catalogue(plan.spec()).clone(),
@@ -155,6 +157,19 @@ fn check_size(document: &Document, what: &str) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Reads a world, and whether its file is one of this project: other programs' files hold more.
+fn read(path: &Path, ending: Option<&str>) -> Result<(World, bool), Box<dyn Error>> {
+    // The files of HouseExpo end with `.json` as well.
+    if ending == Some("json")
+        && let Ok(world) = import::read_json(&mut File::open(path).in_file(path)?)
+    {
+        return Ok((world, true));
+    }
+    Ok((import::read_world(path).in_file(path)?, ending == Some("ron")))
+}
+
+/// Returns the first of the files `STEM.ron`, `STEM_2.ron` and so on that does not exist, since the others may hold the
+/// work of earlier sessions.
 fn usual(stem: &str) -> PathBuf {
     Path::new(FOLDER).join(format!("{stem}.ron"))
 }
