@@ -267,4 +267,23 @@ sleep 1
 same "$(parts forest.ron obstacles)" 0 "obstacles after it was removed"
 press ctrl+q
 ended
+# Files of other programs are not replaced by what was read of them, and files that were saved before are not either.
+cat >trees.geojson <<'END'
+{ "type": "FeatureCollection", "features": [
+  { "type": "Feature", "properties": {}, "geometry": { "type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 0]]] } },
+  { "type": "Feature", "properties": {}, "geometry": { "type": "Polygon", "coordinates": [[[20, 20], [19, 20], [19, 19], [20, 20]]] } },
+  { "type": "Feature", "properties": { "part": "tree", "radius": 0.3 }, "geometry": { "type": "Point", "coordinates": [10, 10] } } ] }
+END
+echo '{ "id": "house", "verts": [[0, 0], [8, 0], [8, 6], [0, 6]], "room_category": { "Hall": [[0, 0, 8, 6]] } }' >house.json
+cp trees.geojson trees.before
+cp house.json house.before
+for saved in trees.ron trees_2.ron house.ron; do
+  case $saved in house*) open house.json ;; *) open trees.geojson ;; esac
+  press ctrl+s
+  written "out/edit/$saved" || fail "no out/edit/$saved"
+  press ctrl+q
+  ended
+done
+cmp trees.geojson trees.before || fail "GeoJSON of another program is replaced"
+cmp house.json house.before || fail "a house is replaced"
 echo "edit: pictures in $pictures, $SECONDS s"

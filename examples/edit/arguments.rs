@@ -171,5 +171,11 @@ fn read(path: &Path, ending: Option<&str>) -> Result<(World, bool), Box<dyn Erro
 /// Returns the first of the files `STEM.ron`, `STEM_2.ron` and so on that does not exist, since the others may hold the
 /// work of earlier sessions.
 fn usual(stem: &str) -> PathBuf {
-    Path::new(FOLDER).join(format!("{stem}.ron"))
+    let named = |name: &str| Path::new(FOLDER).join(format!("{name}.ron"));
+    let (mut path, mut number) = (named(stem), 1_u32);
+    while path.exists() {
+        number += 1;
+        path = named(&format!("{stem}_{number}"));
+    }
+    path
 }
