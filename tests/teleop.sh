@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 # shellcheck source=tests/windows.sh
 source tests/windows.sh
 
-build --example teleop --example mapping_trial
+build --example teleop --example mapping_trial --bin envgen
 
 open() { open_window 'envgen: drive' "$size" "$programs/examples/teleop" "$@"; sleep 4; }
 

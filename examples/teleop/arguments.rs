@@ -116,6 +116,12 @@ impl Arguments {
         world.chain(self.robot.clone()).collect()
     }
 
+    /// Returns the name of the world's file.
+    pub(crate) fn world_name(&self) -> String {
+        let file = self.world.as_deref().and_then(Path::file_name);
+        file.unwrap_or_default().to_string_lossy().into_owned()
+    }
+
     /// Returns whether the robots' cameras are drawn.
     pub(crate) fn has_cameras(&self) -> bool {
         !self.no_camera

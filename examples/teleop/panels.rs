@@ -111,7 +111,8 @@ fn setup(
     Panel::bottom("begin").show(ui, |ui| {
         ui.add_space(4.0);
         ui.horizontal(|ui| {
-            let possible = session.phase == Phase::Setup && session.preview.error().is_none();
+            let is_allowed = session.preview.error().is_none() && session.has_seed();
+            let possible = session.phase == Phase::Setup && is_allowed;
             let begin = egui::Button::new(RichText::new("Begin (Enter)").strong());
             if ui.add_enabled(possible, begin).clicked() {
                 session.begin(spawned, commands);

@@ -15,7 +15,7 @@ use bevy_mapping_trial::ui::{
 use bevy_mapping_trial::view::{ShowIn3d, TrialView};
 use envgen::located::{Locate, Located};
 use envgen::world::Digest;
-use envgen::{Seed, WorldKind, whole_file};
+use envgen::{Seed, whole_file};
 use mapping_trial::feedback::Feedback;
 use mapping_trial::names::Named;
 use mapping_trial::policy::PolicyKind;
@@ -85,8 +85,8 @@ pub(crate) struct Session {
     /// The last of these worlds.
     last_shown: Option<Arc<envgen::World>>,
     saving: Saving,
-    /// Whether the world was read from a file. Otherwise it was generated from a spec.
-    from_file: bool,
+    /// The world that was read from a file. It remains until a kind of world is chosen.
+    given: Option<Arc<envgen::World>>,
     /// Whether a trial begins as soon as the world is ready.
     pub(crate) begins: bool,
 }
@@ -100,14 +100,15 @@ impl Session {
         world: &mut World,
     ) -> Self {
         let seed = arguments.seed;
-        let from_file = matches!(beginning, Beginning::World(_));
-        let spec = match &beginning {
-            Beginning::Spec(spec) => SpecForm::new(spec, seed),
-            Beginning::World(_) => SpecForm::new(&SpecForm::initial(WorldKind::Indoor), seed),
+        let (spec, given) = match beginning {
+            Beginning::Spec(spec) => (SpecForm::new(&spec, seed), None),
+            Beginning::World(given) => {
+                (SpecForm::of_file(&arguments.world_name(), seed), Some(given))
+            }
         };
-        let preview = match beginning {
-            Beginning::Spec(_) => WorldPreview::new(spec.request()),
-            Beginning::World(given) => WorldPreview::given(given),
+        let preview = match &given {
+            None => WorldPreview::new(spec.request()),
+            Some(given) => WorldPreview::given(Arc::clone(given)),
         };
         let training = arguments.training;
         Session {
@@ -133,7 +134,7 @@ impl Session {
             shown: Vec::new(),
             last_shown: None,
             saving: Saving::default(),
-            from_file,
+            given,
             begins: arguments.policy.is_some(),
         }
     }
@@ -142,8 +143,12 @@ impl Session {
     pub(crate) fn edit(&mut self, action: SpecAction) {
         match action {
             SpecAction::Changed => {
-                self.preview.request(self.spec.request());
-                self.from_file = false;
+                match self.given.as_ref().filter(|_| self.spec.is_of_file()) {
+                    None => self.preview.request(self.spec.request()),
+                    // The seed is that of the noise.
+                    Some(given) if self.preview.world().is_some_and(|w| Arc::ptr_eq(w, given)) => {}
+                    Some(given) => self.preview = WorldPreview::given(Arc::clone(given)),
+                }
                 self.begins = false;
             }
             SpecAction::Saved(path) => self.message = format!("saved {}", path.display()),
@@ -153,7 +158,7 @@ impl Session {
     /// Begins a trial in the chosen world. The world is spawned first, unless it is that of the last
     /// trial. While it is being generated, the trial waits.
     pub(crate) fn begin(&mut self, spawned: Option<&GroundTruth>, commands: &mut Commands) {
-        let Some(world) = self.preview.world() else {
+        let Some(world) = self.preview.world().filter(|_| self.has_seed()) else {
             self.begins = self.preview.is_pending();
             return;
         };
@@ -176,8 +181,13 @@ impl Session {
     /// Returns the seed of the sensor noise and of what moves in a world: the world's own seed or, for
     /// a world from a file, that of the panel.
     pub(crate) fn seed_in(&self, world: &envgen::World) -> Seed {
-        let made = world.provenance.seed.filter(|_| !self.from_file);
+        let made = world.provenance.seed.filter(|_| !self.spec.is_of_file());
         made.unwrap_or(self.spec.seed())
+    }
+
+    /// Returns whether the seed of the noise is a number. The preview refuses a world whose own seed is not.
+    pub(crate) fn has_seed(&self) -> bool {
+        !self.spec.is_of_file() || self.spec.request_seed().is_ok()
     }
 
     /// Begins a trial in the spawned world, from its start.

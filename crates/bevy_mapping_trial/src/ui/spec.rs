@@ -38,6 +38,10 @@ pub struct SpecForm {
     /// The last error of the file system, or the last error that names no setting.
     failure: Option<String>,
     reach: Reach,
+    /// The name of the file whose world is a choice beside the kinds.
+    world_file: Option<String>,
+    /// Whether that world is chosen.
+    is_of_file: bool,
 }
 
 impl SpecForm {
@@ -51,9 +55,42 @@ impl SpecForm {
         let file = format!("{}.envgen.ron", spec.kind());
         let (kind, reach) = (spec.kind(), Reach::default());
         let seed_text = seed.to_string();
-        let mut form = SpecForm { kind, texts, seed, seed_text, file, failure: None, reach };
+        let mut form = SpecForm {
+            kind,
+            texts,
+            seed,
+            seed_text,
+            file,
+            failure: None,
+            reach,
+            world_file: None,
+            is_of_file: false,
+        };
         form.check();
         form
+    }
+
+    /// Creates a form for a world that was read from a file with this name. The form shows the name and the seed, which
+    /// is that of the sensor noise, until a kind is chosen. The file remains a choice.
+    ///
+    /// ```
+    /// use bevy_mapping_trial::ui::SpecForm;
+    /// use envgen::{Seed, WorldKind};
+    ///
+    /// let mut form = SpecForm::of_file("cave.json", Seed(3));
+    /// assert!(form.is_of_file());
+    /// form.set_kind(WorldKind::Forest);
+    /// assert!(!form.is_of_file());
+    /// ```
+    pub fn of_file(name: &str, seed: Seed) -> Self {
+        let form = SpecForm::new(&SpecForm::initial(WorldKind::Indoor), seed);
+        SpecForm { world_file: Some(name.to_owned()), is_of_file: true, ..form }
+    }
+
+    /// Returns whether the world of the file is chosen, and not a kind: the app keeps that world, whatever
+    /// [`SpecForm::request`] returns.
+    pub fn is_of_file(&self) -> bool {
+        self.is_of_file
     }
 
     /// Returns the spec that the form has for a kind before anything is set: the default spec, except that
@@ -78,7 +115,7 @@ impl SpecForm {
         kind.default_spec()
     }
 
-    /// Returns the kind that is being edited.
+    /// Returns the kind that is being edited, or that was last while the world of a file is chosen.
     pub fn kind(&self) -> WorldKind {
         self.kind
     }
@@ -89,6 +126,7 @@ impl SpecForm {
             self.file = format!("{kind}.envgen.ron");
         }
         self.kind = kind;
+        self.is_of_file = false;
         self.failure = None;
         self.check();
     }
@@ -134,7 +172,15 @@ impl SpecForm {
         }
         spec.validate()?;
         self.reach.check(&spec)?;
-        Ok((spec, self.seed_text.parse()?))
+        Ok((spec, self.request_seed()?))
+    }
+
+    /// Returns the seed in the form.
+    ///
+    /// # Errors
+    /// Returns an error if the text is not a number.
+    pub fn request_seed(&self) -> Result<Seed, SettingsError> {
+        Ok(self.seed_text.parse()?)
     }
 
     /// Writes the spec to a file as RON. The file is written completely or not at all.
@@ -150,31 +196,44 @@ impl SpecForm {
 
     /// Draws the kind, the seed and the settings that users change first.
     pub fn show(&mut self, ui: &mut Ui) -> Option<SpecAction> {
-        let kind = self.kind;
-        let mut chosen = kind;
-        row(ui, "kind", kind.summary(), |ui| {
-            ComboBox::from_id_salt("kind").selected_text(kind.name()).show_ui(ui, |ui| {
+        let before = (self.kind, self.is_of_file);
+        let mut chosen = before;
+        let of_file = self.world_file.as_ref().map(|name| format!("world from {name}"));
+        let shown = of_file.as_deref().filter(|_| self.is_of_file).unwrap_or(self.kind.name());
+        let help = if self.is_of_file { "A file, or a kind of world" } else { self.kind.summary() };
+        row(ui, "kind", help, |ui| {
+            ComboBox::from_id_salt("kind").truncate().selected_text(shown).show_ui(ui, |ui| {
+                if let Some(text) = &of_file {
+                    ui.selectable_value(&mut chosen, (self.kind, true), text);
+                }
                 for &other in WorldKind::ALL {
-                    ui.selectable_value(&mut chosen, other, other.name())
+                    ui.selectable_value(&mut chosen, (other, false), other.name())
                         .on_hover_text(other.summary());
                 }
             });
         });
-        if chosen != kind {
-            self.set_kind(chosen);
+        match chosen {
+            _ if chosen == before => {}
+            (_, true) => self.is_of_file = true,
+            (kind, false) => self.set_kind(kind),
         }
         let seed_changed = self.show_seed(ui);
         let edited = self.edit(|drafts| show_group(ui, drafts, None));
-        if let Some(failure) = &self.failure {
+        if let Some(failure) = self.failure.as_ref().filter(|_| !self.is_of_file) {
             error(ui, failure);
         }
-        (edited || chosen != kind || seed_changed).then_some(SpecAction::Changed)
+        (edited || chosen != before || seed_changed).then_some(SpecAction::Changed)
     }
 
     /// Draws the seed, and returns whether its text has changed.
     fn show_seed(&mut self, ui: &mut Ui) -> bool {
         let mut changed = false;
-        row(ui, "seed", "Determines everything random in the world", |ui| {
+        let help = if self.is_of_file {
+            "Determines the sensor noise and what moves in the world"
+        } else {
+            "Determines everything random in the world"
+        };
+        row(ui, "seed", help, |ui| {
             // The field is as wide as its digits.
             let edit = TextEdit::singleline(&mut self.seed_text).desired_width(32.0);
             changed = ui.add(edit.clip_text(false)).changed();
@@ -195,9 +254,13 @@ impl SpecForm {
         self.edit(|drafts| show_groups(ui, drafts)).then_some(SpecAction::Changed)
     }
 
-    /// Draws the buttons that apply to the whole spec: back to the defaults, and save to a file.
+    /// Draws the buttons that apply to the whole spec: back to the defaults, and save to a file. There are none for the
+    /// world of a file.
     pub fn show_file(&mut self, ui: &mut Ui) -> Option<SpecAction> {
         let mut action = None;
+        if self.is_of_file {
+            return action;
+        }
         ui.horizontal(|ui| {
             let defaults = ui.button("Defaults");
             if defaults.on_hover_text("of all settings of this kind of world").clicked() {
@@ -224,12 +287,15 @@ impl SpecForm {
 
     /// Returns whether one of the settings in groups has an error.
     pub(super) fn has_error_in_groups(&self) -> bool {
-        let drafts = self.texts.get(&self.kind).into_iter().flatten();
-        has_error(drafts.filter(|draft| draft.setting.group.is_some()))
+        let drafts = self.texts.get(&self.kind).filter(|_| !self.is_of_file);
+        has_error(drafts.into_iter().flatten().filter(|draft| draft.setting.group.is_some()))
     }
 
-    /// Lets a panel edit the settings of the kind, and checks them if it has changed any.
+    /// Lets a panel edit the settings of the kind, and checks them if it has changed any. The world of a file has none.
     fn edit(&mut self, show: impl FnOnce(&mut [Draft]) -> bool) -> bool {
+        if self.is_of_file {
+            return false;
+        }
         let changed = self.texts.get_mut(&self.kind).is_some_and(|drafts| show(drafts));
         if changed {
             self.check();

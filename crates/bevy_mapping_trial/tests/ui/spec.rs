@@ -99,6 +99,43 @@ fn groups_with_errors_have_another_colour() {
 }
 
 #[test]
+fn the_world_of_a_file_stays_until_a_kind_is_chosen() {
+    let mut form = SpecForm::of_file("cave.json", Seed(3));
+    let screen = Screen::new(egui::vec2(340.0, 900.0));
+    let shown = screen.show(|ui| {
+        form.show(ui);
+        form.show_groups(ui);
+        form.show_file(ui);
+    });
+    assert!(shown.has("world from cave.json"));
+    for of_kind in ["indoor", "difficulty", "layout", "Defaults", "Save"] {
+        assert!(!shown.has(of_kind), "{of_kind}");
+    }
+    // The seed is that of the noise.
+    assert_eq!(screen.click("Next", |ui| form.show(ui)), Some(SpecAction::Changed));
+    assert_eq!((form.is_of_file(), form.request_seed()), (true, Ok(Seed(4))));
+    screen.retype("4", "x", |ui| form.show(ui));
+    assert!(form.request_seed().is_err_and(|error| error.to_string().contains("got x")));
+    screen.retype("x", "5", |ui| form.show(ui));
+    // A kind is chosen, and then the file again.
+    assert_eq!(screen.click("world from cave.json", |ui| form.show(ui)), None);
+    assert_eq!(screen.click("forest", |ui| form.show(ui)), Some(SpecAction::Changed));
+    assert_eq!((form.is_of_file(), form.kind()), (false, WorldKind::Forest));
+    assert!(screen.show(|ui| drop(form.show(ui))).has("intensity"));
+    assert_eq!(screen.click("forest", |ui| form.show(ui)), None);
+    let chosen = screen.click("world from cave.json", |ui| form.show(ui));
+    assert_eq!((chosen, form.is_of_file()), (Some(SpecAction::Changed), true));
+    assert_eq!(form.seed(), Seed(5));
+}
+
+#[test]
+fn long_names_of_files_are_cut() {
+    let mut form = SpecForm::of_file(&format!("{}.json", "long_".repeat(20)), Seed(3));
+    let shown = show_in(egui::vec2(340.0, 400.0), |ui| drop(form.show(ui)));
+    assert_eq!(shown.clipped(), Vec::<String>::new());
+}
+
+#[test]
 fn saved_specs_are_read_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("some.envgen.ron");
