@@ -175,6 +175,7 @@ press t
 for _ in $(seq 60); do xdotool search --onlyvisible --name '^envgen: drive$' >/dev/null 2>&1 && break; sleep 0.25; done
 xdotool search --onlyvisible --name '^envgen: drive$' >/dev/null || fail "no trial"
 trial=$(pgrep -P "$program")
+tr '\0' ' ' <"/proc/$trial/cmdline" | grep -q -- ' --known --world ' || fail "a trial in an edited world counts as blind"
 kill "$trial"
 # Without a window manager nobody gives the keys back.
 xdotool windowfocus --sync "$window"

@@ -34,15 +34,15 @@ impl Trials {
         let world = folder.join(format!("world_{}.ron", self.count));
         saving::save(document, &world)?;
         let program = std::env::current_exe()?.with_file_name(format!("{PROGRAM}{EXE_SUFFIX}"));
-        let command = format!("{PROGRAM} --world {}", world.display());
-        match Command::new(&program).arg("--world").arg(&world).spawn() {
+        // Who edits the world knows it, so that trials in it are not blind.
+        let options = format!("--known --world {}", world.display());
+        match Command::new(&program).args(["--known", "--world"]).arg(&world).spawn() {
             Ok(child) => {
                 self.running.push(child);
-                Ok(format!("opened a trial: {command}"))
+                Ok(format!("opened a trial: {PROGRAM} {options}"))
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(format!(
-                "run: cargo run --release --features window --example {PROGRAM} -- --world {}",
-                world.display()
+                "run: cargo run --release --features window --example {PROGRAM} -- {options}"
             )),
             Err(error) => Err(format!("{}: {error}", program.display()).into()),
         }

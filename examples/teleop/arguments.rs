@@ -39,6 +39,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
 
+    /// Whoever drives knows the world of the file, as who has edited it does: its trials count as training.
+    #[arg(long, hide = true, requires = "world")]
+    pub(crate) known: bool,
+
     /// Number of robots, which share one map; Tab switches between them.
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_ROBOTS)))]
     robots: u32,

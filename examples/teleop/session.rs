@@ -111,7 +111,7 @@ impl Session {
             Some(given) => WorldPreview::given(Arc::clone(given)),
         };
         let training = arguments.training;
-        Session {
+        let mut session = Session {
             phase: Phase::Setup,
             spec,
             setup: SetupForm { settings, scenario, training },
@@ -136,7 +136,13 @@ impl Session {
             saving: Saving::default(),
             given,
             begins: arguments.policy.is_some(),
+        };
+        if arguments.known
+            && let Some(given) = session.given.clone()
+        {
+            session.note_shown(&given);
         }
+        session
     }
 
     /// Carries out what a person did in the panel of the world.
