@@ -19,6 +19,7 @@
 mod arguments;
 mod cameras;
 mod compare;
+mod draft;
 mod frame_log;
 mod keys;
 #[path = "../shared/moving.rs"]

@@ -26,7 +26,7 @@ use crate::arguments::{Arguments, Beginning};
 use crate::compare::{Comparison, SessionRun};
 use crate::pace::Activity;
 use crate::saving::Saving;
-use crate::{output, start};
+use crate::{draft, output, start};
 
 /// Number of ticks between two writes of the log during the trial, which is the most that a power
 /// failure loses.
@@ -530,7 +530,10 @@ pub(crate) fn save_at_exit(
         && let Ok((mut trial, truth)) = trials.get_mut(session.world)
     {
         session.finish(&mut trial, truth);
-    } else if let Some(feedback) = session.form.as_ref().and_then(|form| form.fill().ok()) {
-        session.hand_in(Some(feedback));
+    } else if let (Some(form), Some(report)) = (&session.form, &session.report) {
+        match form.fill() {
+            Ok(feedback) => session.hand_in(Some(feedback)),
+            Err(missing) => draft::save(form, &report.session(), &session.folder, &missing),
+        }
     }
 }
