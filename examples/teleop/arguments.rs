@@ -13,16 +13,13 @@ use mapping_trial::odometry::OdometryProfile;
 use mapping_trial::policy::PolicyKind;
 use mapping_trial::profile::named_or_read;
 use mapping_trial::robot::Robot;
-use mapping_trial::trial::TrialSettings;
+use mapping_trial::trial::{MAX_ROBOTS, TrialSettings};
 
 use crate::trial_arguments::{TrialArguments, name, named, profile_help};
 use crate::{moving, robot, spec_file};
 
 /// Side of the indoor map in grid units, which is about the size that one robot explores in 20 minutes.
 const SIZE: u32 = 10;
-
-/// Greatest number of robots in a trial.
-pub(crate) const MAX_ROBOTS: u32 = 4;
 
 /// Drive a simulated robot through a world that you do not know, and see how well you map it.
 #[derive(Parser, Clone)]

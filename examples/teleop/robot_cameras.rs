@@ -13,8 +13,8 @@ use bevy_mapping_trial::camera::RobotCamera;
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::ui::bevy_egui::{EguiTextureHandle, EguiUserTextures};
 use bevy_mapping_trial::ui::egui;
+use mapping_trial::trial::MAX_ROBOTS;
 
-use crate::arguments::MAX_ROBOTS;
 use crate::samples::{is_software, samples};
 use crate::session::{Phase, Session};
 
