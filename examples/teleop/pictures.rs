@@ -4,7 +4,7 @@ use bevy::prelude::*;
 use bevy_mapping_trial::ui::bevy_egui::EguiContexts;
 use bevy_mapping_trial::ui::egui::{
     Align2, Color32, FontId, LayerId, Painter, Pos2, Rect as Area, Stroke, StrokeKind, TextureId,
-    pos2, vec2,
+    Vec2 as Size, pos2, vec2,
 };
 use bevy_mapping_trial::view::TrialPalette;
 
@@ -42,8 +42,7 @@ pub(crate) fn show(
     if let Some(pictures) = pictures {
         let of = |robot: usize| Some((robot, pictures.texture(robot, &session)?));
         let small = vec2(SMALL * beside.width(), SMALL * beside.width() / ASPECT);
-        let frame = |at: Pos2, (robot, texture): (usize, TextureId)| {
-            let area = Area::from_min_size(at, small);
+        let frame = |area: Area, (robot, texture): (usize, TextureId)| {
             paint(&painter, area, area, texture);
             let [red, green, blue, _] = palette.robot(robot).to_srgba().to_u8_array();
             let color = Color32::from_rgb(red, green, blue);
@@ -58,20 +57,28 @@ pub(crate) fn show(
                 label(&painter, beside, robot);
             } else {
                 let at = beside.left_bottom() + vec2(MARGIN, -MARGIN - small.y);
-                frame(at, (robot, texture));
+                frame(Area::from_min_size(at, small), (robot, texture));
             }
         }
         let robots = session.setup.settings.robots as usize;
         let others = (0..robots).filter(|robot| *robot != session.driven).filter_map(of);
-        let mut at = beside.right_top() + vec2(-MARGIN - small.x, MARGIN);
+        let size = stacked(small, robots.saturating_sub(1), map.top() - beside.top() - MARGIN);
+        let mut at = beside.right_top() + vec2(-MARGIN - size.x, MARGIN);
         for other in others {
-            frame(at, other);
-            at.y += small.y + MARGIN;
+            frame(Area::from_min_size(at, size), other);
+            at.y += size.y + MARGIN;
         }
     }
     let stroke = Stroke::new(1.5, Color32::from_gray(40));
     painter.rect_stroke(map, 0.0, stroke, StrokeKind::Outside);
     Ok(())
+}
+
+/// Returns the size of each of a number of small pictures, which are scaled down where they would not fit above each
+/// other in a height, each with its margin.
+fn stacked(small: Size, number: usize, height: f32) -> Size {
+    let each = height / number.max(1) as f32 - MARGIN;
+    small * (each / small.y).clamp(0.0, 1.0)
 }
 
 /// Draws the part of a picture that lies in an area. The whole picture fills `whole` and is cut to its
