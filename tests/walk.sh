@@ -17,6 +17,11 @@ for wrong in "nowhere" "indoor --set width=-3" "indoor --set nothing=1" "no.json
   grep -q '^error: ' "$scratch/said" || fail "$wrong: $(cat "$scratch/said")"
 done
 
+# A kind is one although a folder has its name.
+mkdir "$scratch/indoor"
+if (cd "$scratch" && DISPLAY='' "$programs/examples/walk" indoor) >"$scratch/said" 2>&1; then fail "no display is taken"; fi
+grep -q 'no display' "$scratch/said" || fail "indoor beside a folder: $(cat "$scratch/said")"
+
 display 95 640x360
 open_window 'envgen: walk .*' 640x360 "$programs/examples/walk" \
   indoor --seed 3 --set width=8 --set height=8 --set doors=0.5 --set people=4

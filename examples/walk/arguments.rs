@@ -73,12 +73,13 @@ impl Arguments {
         Ok((world, moving))
     }
 
-    /// Returns the spec; `None` for the file of a finished world.
+    /// Returns the spec; `None` for the file of a finished world. A kind is one even if a file has its name.
     fn spec(&self) -> Result<Option<WorldSpec>, Box<dyn Error>> {
         let path = Path::new(&self.world);
-        if path.exists() || path.extension().is_some() {
-            return spec_file::read(path);
+        match self.world.parse::<WorldKind>() {
+            Ok(kind) => Ok(Some(kind.default_spec())),
+            Err(_) if path.exists() || path.extension().is_some() => spec_file::read(path),
+            Err(error) => Err(format!("{}: no such file, and {error}", self.world).into()),
         }
-        Ok(Some(self.world.parse::<WorldKind>()?.default_spec()))
     }
 }
