@@ -61,4 +61,24 @@ view mouse
 xdotool key Escape
 sleep 1
 is_running
+kill "$program"
+sleep 1
+
+# Under low ceilings, the eyes and the camera behind are below them and see no sky, which is bluer than all else.
+open_window 'envgen: walk .*' 640x360 "$programs/examples/walk" \
+  indoor --seed 3 --set width=8 --set height=8 --set wall_height=1.2
+# The world is not drawn in the first frames.
+below() {
+  for _ in $(seq 20); do
+    picture "$1"
+    sky=$(convert "$pictures/$1.png" -fx 'b > 1.06 * r ? 1 : 0' -format '%[fx:mean]' info:)
+    ! awk -v sky="$sky" 'BEGIN { exit !(sky < 0.02) }' || return 0
+    sleep 1
+  done
+  fail "$1.png is from above the ceilings: $sky of it is sky"
+}
+below low_eyes
+xdotool key v
+sleep 2
+below low_behind
 echo "walk: pictures in $pictures"

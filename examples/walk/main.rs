@@ -67,7 +67,8 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
     let environment = Environment::prebuilt(Arc::clone(&world))
         .with_pace(GenerationMode::Blocking)
         .with_origin_near(&world);
-    let walker = app.world_mut().spawn(walker::body(start, environment.origin)).id();
+    let walker = walker::body(start, environment.origin, walker::highest(&world));
+    let walker = app.world_mut().spawn(walker).id();
     let mut root = app.world_mut().spawn(environment);
     if is_large {
         root.insert(StreamAround::new(walker, SIGHT));

@@ -16,6 +16,7 @@ use bevy_envgen::visuals3d::Figure;
 use envgen::World;
 use envgen::geometry::Pose;
 use envgen::glam::DVec2;
+use envgen::pieces::ceilings;
 use envgen::placement::pose_of_most_clearance;
 
 use crate::samples::samples;
@@ -26,7 +27,8 @@ const RADIUS: f32 = 0.25;
 /// Walking and running speeds in m/s.
 const SPEEDS: (f32, f32) = (1.6, 4.0);
 
-/// Height of the eyes in metres, and height of the point at which the camera looks from behind.
+/// Height of the eyes in metres, and height of the point at which the camera looks from behind. Both are lower under
+/// low ceilings.
 const EYES: f32 = 1.6;
 const SHOULDERS: f32 = 1.4;
 
@@ -34,8 +36,11 @@ const SHOULDERS: f32 = 1.4;
 const BEHIND: f32 = 2.8;
 const MARGIN: f32 = 0.15;
 
-/// Greatest height of the camera in metres, which is below ceilings.
-const CEILING: f32 = 2.35;
+/// Greatest height of the camera in metres in a world without ceilings.
+const HIGHEST: f64 = 2.35;
+
+/// Distance in metres of the camera from ceilings. Under very low ones it is half way up.
+const BELOW_CEILING: f64 = 0.25;
 
 /// Turning in radians per pixel of the mouse, and per second of the arrow keys.
 const TURNING: (f32, f32) = (0.0025, 2.0);
@@ -51,6 +56,8 @@ pub(crate) struct Walker {
     /// Angle above the horizon, in radians.
     pitch: f32,
     is_first_person: bool,
+    /// Greatest height of the camera in metres.
+    highest: f32,
     /// The positions after the last two steps of physics, between which frames are interpolated.
     places: [Vec2; 2],
 }
@@ -67,12 +74,20 @@ pub(crate) fn start(world: &World) -> Result<Pose, Box<dyn Error>> {
     Ok(pose_of_most_clearance(world)?.ok_or("the world has no free space to start in")?)
 }
 
-/// The body at a pose in a world, whose point `origin` is at the origin of the app.
-pub(crate) fn body(start: Pose, origin: DVec2) -> impl Bundle {
+/// Returns the greatest height of the camera in metres, which is below all ceilings.
+pub(crate) fn highest(world: &World) -> f32 {
+    let bottoms = ceilings(world).into_iter().map(|ceiling| ceiling.form.extent().bottom());
+    let lowest = bottoms.reduce(f64::min);
+    lowest.map_or(HIGHEST, |bottom| (bottom - BELOW_CEILING).max(0.5 * bottom)) as f32
+}
+
+/// The body at a pose in a world, whose point `origin` is at the origin of the app, with the greatest height of its
+/// camera in metres.
+pub(crate) fn body(start: Pose, origin: DVec2, highest: f32) -> impl Bundle {
     let heading = start.heading as f32;
     let place = (start.position - origin).as_vec2();
     (
-        Walker { heading, pitch: 0.0, is_first_person: true, places: [place; 2] },
+        Walker { heading, pitch: 0.0, is_first_person: true, highest, places: [place; 2] },
         Transform::from_translation(place.extend(0.0)),
         Visibility::Hidden,
         RigidBody::Dynamic,
@@ -184,11 +199,11 @@ pub(crate) fn follow(
     let turn = Quat::from_rotation_z(walker.heading) * Quat::from_rotation_y(-walker.pitch);
     let ahead = turn * Vec3::X;
     if walker.is_first_person {
-        let eyes = here.extend(EYES);
+        let eyes = here.extend(EYES.min(walker.highest));
         **camera = Transform::from_translation(eyes).looking_to(ahead, Vec3::Z);
         return;
     }
-    let shoulders = here.extend(SHOULDERS);
+    let shoulders = here.extend(SHOULDERS.min(walker.highest));
     let back = -Vec2::from_angle(walker.heading);
     let wanted = BEHIND * ops::cos(walker.pitch).max(0.2);
     let filter = QueryFilter::default().exclude_sensors().exclude_rigid_body(entity);
@@ -197,7 +212,8 @@ pub(crate) fn follow(
         .ok()
         .and_then(|physics| physics.cast_ray(here, back, wanted + MARGIN, true, filter));
     let distance = wall.map_or(wanted, |(_, distance)| (distance - MARGIN).max(0.05));
-    let height = (SHOULDERS + 0.45 - BEHIND * ops::sin(walker.pitch)).clamp(0.2, CEILING);
+    let height = SHOULDERS + 0.45 - BEHIND * ops::sin(walker.pitch);
+    let height = height.max(0.2).min(walker.highest);
     let eyes = (here + back * distance).extend(height);
     **camera = Transform::from_translation(eyes).looking_at(shoulders, Vec3::Z);
 }
