@@ -268,6 +268,35 @@ sleep 1
 same "$(parts forest.ron obstacles)" 0 "obstacles after it was removed"
 press ctrl+q
 ended
+
+# A fast drag adds all cells under it. A picture does not hold the change: the window stays.
+open indoor --seed 3 --out hall.png
+press 3
+# shellcheck disable=SC2046  # two words
+{
+  at $(cell 3 13)
+  xdotool mousedown 1
+  sleep 1
+  at $(cell 3 15)
+}
+sleep 1
+xdotool mouseup 1
+press ctrl+s
+written hall.png || fail "Ctrl+S does not save a picture"
+picture picture_saved
+press ctrl+q
+sleep 1
+picture asks_after_picture
+# Saves the picture again.
+click 540 372
+sleep 1
+is_running
+picture stays_after_picture
+save hall.ron
+same "$(grep -o add_hallway hall.ron | wc -l)" 3 "cells of hallway added"
+press ctrl+q
+ended
+
 # Files of other programs are not replaced by what was read of them, and files that were saved before are not either.
 cat >trees.geojson <<'END'
 { "type": "FeatureCollection", "features": [

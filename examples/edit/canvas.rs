@@ -8,13 +8,16 @@ use envgen::indoor::{Edit, PlanTarget};
 
 use crate::painting::{self, Ghost};
 use crate::session::{Drag, Session};
-use crate::tools::Tool;
+use crate::tools::{Painting, Tool};
 
 /// Greatest distance in points of the pointer from what it selects.
 const REACH: f64 = 4.0;
 
 /// Objects are moved by multiples of this distance, in metres.
 const STEP: f64 = 0.05;
+
+/// A line that is in a cell for less than this fraction of its length passes the cell's corner.
+const CORNER: f64 = 1e-9;
 
 /// Change of the zoom per step of the wheel.
 const ZOOM_A_POINT: f64 = 0.002;
@@ -134,15 +137,36 @@ fn paint(ui: &Ui, response: &egui::Response, session: &mut Session) {
         session.tools.paints = None;
         return;
     }
-    let Some(change) = session.tools.paint(&session.document, at, session.tools.paints) else {
-        return;
-    };
-    let adds = matches!(&change, Change::Plan(edit) if matches!(**edit, Edit::AddHallway { .. }));
-    // During a drag, what cannot be changed is skipped without a message.
-    if session.tools.paints.is_none() || session.document.test(change.clone()).is_ok() {
-        session.change(change, at);
+    let Some(size) = session.document.plan().map(|plan| plan.spec().cell_size) else { return };
+    let began = session.tools.paints;
+    let (from, mut adds) = (began.map_or(at, |began| began.at), began.map(|began| began.adds));
+    for p in in_each_cell(from, at, size) {
+        let Some(change) = session.tools.paint(&session.document, p, adds) else { continue };
+        // During a drag, what cannot be changed is skipped without a message.
+        if adds.is_none() || session.document.test(change.clone()).is_ok() {
+            session.change(change.clone(), at);
+        }
+        let is_added = |edit: &Edit| matches!(edit, Edit::AddHallway { .. });
+        adds.get_or_insert(matches!(&change, Change::Plan(edit) if is_added(edit)));
     }
-    session.tools.paints = Some(adds).filter(|_| is_down);
+    session.tools.paints = adds.filter(|_| is_down).map(|adds| Painting { adds, at });
+}
+
+/// Returns a point in each cell that the line between two points crosses, in order: between two frames a fast pointer
+/// passes over several cells.
+fn in_each_cell(from: DVec2, to: DVec2, size: f64) -> Vec<DVec2> {
+    // Where the line leaves a column or a row, as fractions of its length.
+    let mut borders = vec![0.0, 1.0];
+    for (from, to) in [(from.x / size, to.x / size), (from.y / size, to.y / size)] {
+        let mut border = from.min(to).ceil();
+        while from != to && border <= from.max(to) {
+            borders.push((border - from) / (to - from));
+            border += 1.0;
+        }
+    }
+    borders.sort_by(f64::total_cmp);
+    let within = borders.array_windows().filter(|[enter, leave]| leave - enter > CORNER);
+    within.map(|[enter, leave]| from.lerp(to, 0.5 * (enter + leave))).collect()
 }
 
 fn click(session: &mut Session, at: DVec2) {

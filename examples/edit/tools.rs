@@ -97,6 +97,15 @@ impl Piece {
     }
 }
 
+/// A drag of the tool for hallways.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Painting {
+    /// Whether it adds cells or removes them.
+    pub(crate) adds: bool,
+    /// Where the pointer was last.
+    pub(crate) at: DVec2,
+}
+
 /// The current tool, and the settings of all tools.
 pub(crate) struct Tools {
     pub(crate) tool: Tool,
@@ -110,8 +119,7 @@ pub(crate) struct Tools {
     pub(crate) size: [f64; 2],
     /// Heading of the object in radians.
     heading: f64,
-    /// Whether a drag adds cells of hallways or removes them.
-    pub(crate) paints: Option<bool>,
+    pub(crate) paints: Option<Painting>,
 }
 
 impl Tools {
