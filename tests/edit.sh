@@ -316,4 +316,18 @@ for saved in trees.ron trees_2.ron house.ron; do
 done
 cmp trees.geojson trees.before || fail "GeoJSON of another program is replaced"
 cmp house.json house.before || fail "a house is replaced"
+# A world is written again. In the tilted view, the crown of its tree is what is clicked on.
+"$programs/envgen" convert out/edit/trees.ron --out own.json >/dev/null
+grep -q '"trees": *\[ *{' own.json || tr -d ' \n' <own.json | grep -q '"trees":\[{' || fail "no tree"
+open own.json
+shot before
+press v
+seen before
+click 648 300
+picture crown
+press Delete ctrl+s
+for _ in $(seq 12); do tr -d ' \n' <own.json | grep -q '"trees":\[{' || break; sleep 0.5; done
+! tr -d ' \n' <own.json | grep -q '"trees":\[{' || fail "the tree is not selected by its crown"
+press ctrl+q
+ended
 echo "edit: pictures in $pictures, $SECONDS s"

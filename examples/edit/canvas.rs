@@ -30,7 +30,6 @@ pub(crate) fn show(ui: &mut Ui, session: &mut Session) {
     navigate(ui, &response, session);
     let pointer = response.hover_pos().or(response.interact_pointer_pos());
     let at = pointer.map(|p| session.view.to_world(p));
-    let seen = at.map(|p| session.seen_at(p));
     let reach = REACH * session.view.scale();
     match session.tools.tool {
         Tool::Select => select(ui, &response, session, reach),
@@ -42,8 +41,8 @@ pub(crate) fn show(ui: &mut Ui, session: &mut Session) {
         }
         _ => {}
     }
-    session.hovered =
-        seen.filter(|_| session.drag.is_none()).and_then(|p| session.document.target_at(p, reach));
+    let is_free = session.drag.is_none();
+    session.hovered = at.filter(|_| is_free).and_then(|p| session.target_seen(p, reach));
     session.pointer = at;
     let leave = 2.0 * reach;
     session.done_at =
@@ -81,7 +80,7 @@ fn select(ui: &Ui, response: &egui::Response, session: &mut Session, reach: f64)
         let selected = session.selected.filter(|&target| {
             session.document.outline(target).is_some_and(|shape| shape.distance(seen) <= reach)
         });
-        let target = selected.or_else(|| session.document.target_at(seen, reach));
+        let target = selected.or_else(|| session.target_seen(from, reach));
         session.selected = target;
         session.drag = target.map(|target| Drag { target, from });
     }
@@ -97,8 +96,7 @@ fn select(ui: &Ui, response: &egui::Response, session: &mut Session, reach: f64)
     } else if response.clicked_by(PointerButton::Primary)
         && let Some(at) = at
     {
-        let seen = session.seen_at(at);
-        session.selected = session.document.target_at(seen, reach);
+        session.selected = session.target_seen(at, reach);
         session.refusal = None;
     }
 }

@@ -8,11 +8,12 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_mapping_trial::ui::egui;
-use envgen::edit::{Change, Document, Target};
+use envgen::edit::{Change, Document, Target, WorldTarget};
 use envgen::glam::DVec2;
 use envgen::indoor::Catalogue;
 use envgen::mesh::BodyRaycaster;
 use envgen::pieces::pieces;
+use envgen::world::{PartId, PartKind};
 
 use crate::arguments::Opened;
 use crate::auditing::Auditing;
@@ -49,6 +50,14 @@ pub(crate) enum Answer {
     Stay,
 }
 
+/// The bodies that the tilted view shows.
+struct Bodies {
+    revision: u64,
+    index: BodyRaycaster,
+    /// The part of each body; the ground is of none.
+    parts: Vec<Option<PartId>>,
+}
+
 /// Everything that the window shows and changes.
 #[derive(Resource)]
 pub(crate) struct Session {
@@ -60,8 +69,7 @@ pub(crate) struct Session {
     pub(crate) tools: Tools,
     pub(crate) view: View,
     pub(crate) selected: Option<Target>,
-    /// The bodies that the tilted view shows, with their revision.
-    bodies: Option<(u64, BodyRaycaster)>,
+    bodies: Option<Bodies>,
     /// What is at the pointer.
     pub(crate) hovered: Option<Target>,
     /// The point of the world at the pointer.
@@ -131,18 +139,44 @@ impl Session {
     /// Returns the point of the plan that is seen where a point of the floor would be. In the tilted
     /// view, something in front may hide it.
     pub(crate) fn seen_at(&mut self, floor: DVec2) -> DVec2 {
+        self.seen_body(floor).map_or(floor, |(point, _)| point)
+    }
+
+    /// Returns the target that is seen where a point of the floor would be, or within a distance of `reach` from it.
+    pub(crate) fn target_seen(&mut self, floor: DVec2, reach: f64) -> Option<Target> {
+        let (point, part) = self.seen_body(floor).unwrap_or((floor, None));
+        // The crown of a tree is not over its outline, which is that of the trunk. What lies flat may lie under
+        // something else. Plans have targets of their own.
+        let upright = part.filter(|part| {
+            use PartKind::{Doorway, Obstacle, Tree, Wall};
+            matches!(part.kind, Doorway | Obstacle | Tree | Wall) && self.document.plan().is_none()
+        });
+        match upright {
+            Some(part) => Some(Target::World(WorldTarget::Part(part))),
+            None => self.document.target_at(point, reach),
+        }
+    }
+
+    /// In the tilted view, returns where the body is hit that is seen at a point of the floor, and its part.
+    fn seen_body(&mut self, floor: DVec2) -> Option<(DVec2, Option<PartId>)> {
         if !self.view.is_tilted() {
-            return floor;
+            return None;
         }
         let (revision, world) = (self.revision, self.document.world());
         let bodies = match self.bodies.take() {
-            Some((of, bodies)) if of == revision => bodies,
-            _ => BodyRaycaster::new(pieces(world).iter().map(|piece| &piece.form)),
+            Some(bodies) if bodies.revision == revision => bodies,
+            _ => {
+                let pieces = pieces(world);
+                let index = BodyRaycaster::new(pieces.iter().map(|piece| &piece.form));
+                let parts = pieces.iter().map(|piece| piece.part).collect();
+                Bodies { revision, index, parts }
+            }
         };
-        let (_, bodies) = self.bodies.insert((revision, bodies));
+        let Bodies { index, parts, .. } = self.bodies.insert(bodies);
         let (from, direction) = self.view.ray(floor);
-        let hit = bodies.cast(from, direction, 1.0);
-        hit.map_or(floor, |hit| (from + direction * hit.distance).truncate())
+        let hit = index.cast(from, direction, 1.0)?;
+        let part = parts.get(hit.body).copied().flatten();
+        Some(((from + direction * hit.distance).truncate(), part))
     }
 
     /// Makes a change. If it is refused, this is shown at a point.
