@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     world: Option<PathBuf>,
 
-    /// Whoever drives knows the world of the file, as who has edited it does: its trials count as training.
+    /// The person knows the world of the file, for example from the editor, so that trials in it count as training.
     #[arg(long, hide = true, requires = "world")]
     pub(crate) known: bool,
 

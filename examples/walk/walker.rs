@@ -39,7 +39,7 @@ const MARGIN: f32 = 0.15;
 /// Greatest height of the camera in metres in a world without ceilings.
 const HIGHEST: f64 = 2.35;
 
-/// Distance in metres of the camera from ceilings. Under very low ones it is half way up.
+/// Distance in metres of the camera from ceilings. Under very low ones it is at half their height.
 const BELOW_CEILING: f64 = 0.25;
 
 /// Turning in radians per pixel of the mouse, and per second of the arrow keys.
