@@ -64,14 +64,15 @@ is_running
 kill "$program"
 sleep 1
 
-# Under low ceilings, the eyes and the camera behind are below them and see no sky, which is bluer than all else.
+# Under low ceilings, the eyes and the camera behind are below them and see no sky, which is bluer than all else. The
+# walker is greener than blue.
 open_window 'envgen: walk .*' 640x360 "$programs/examples/walk" \
   indoor --seed 3 --set width=8 --set height=8 --set wall_height=1.2
 # The world is not drawn in the first frames.
 below() {
   for _ in $(seq 20); do
     picture "$1"
-    sky=$(convert "$pictures/$1.png" -fx 'b > 1.06 * r ? 1 : 0' -format '%[fx:mean]' info:)
+    sky=$(convert "$pictures/$1.png" -fx 'b > 1.06 * r && b > g ? 1 : 0' -format '%[fx:mean]' info:)
     ! awk -v sky="$sky" 'BEGIN { exit !(sky < 0.02) }' || return 0
     sleep 1
   done
