@@ -88,4 +88,16 @@ impl Prediction {
     pub fn is_extrapolated(&self) -> bool {
         self.outside > Prediction::MOST_OUTSIDE
     }
+
+    /// Returns the mean of the prediction and of that of another calibration, whose version it has. `share` is the
+    /// weight of the other, from 0 to 1.
+    pub(crate) fn mixed(&self, other: &Prediction, share: f64) -> Prediction {
+        let between = |own: f64, other: f64| own + share * (other - own);
+        let dials = self.dials.zip(other.dials).map(|(own, other)| Estimate {
+            value: between(own.value, other.value),
+            standard_error: between(own.standard_error, other.standard_error),
+        });
+        let outside = between(self.outside, other.outside);
+        Prediction { calibration: other.calibration, dials, outside }
+    }
 }

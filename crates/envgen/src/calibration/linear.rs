@@ -7,6 +7,12 @@ use serde::{Deserialize, Serialize};
 use crate::dials::{Dials, Estimate};
 use crate::error::SpecError;
 
+/// What is beyond a range by less than this, in standard deviations of the logarithm, is rounding.
+const ROUNDING: f64 = 0.01;
+
+/// How far below a range the models of smaller worlds take over, in standard deviations of the logarithm.
+const FADE: f64 = 0.2;
+
 /// A number on which models depend by `ln(1 + x / scale)`, and its distribution in the atlas. It is checked when it
 /// is read from a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -121,8 +127,7 @@ impl Input {
         let [least, most] = self.range;
         let log = Input::logarithm(value, self.scale);
         let inside = log.clamp(least, most);
-        // What is beyond by less than a hundredth of a deviation is rounding.
-        let is_cut = (log - inside).abs() > 0.01 * self.deviation;
+        let is_cut = (log - inside).abs() > ROUNDING * self.deviation;
         ((inside - self.mean) / self.deviation, is_cut)
     }
 }
@@ -178,6 +183,17 @@ impl DialModels {
         let inputs: Vec<f64> = standardised.into_iter().map(|(x, _)| x).collect();
         let outside = cut as f64 / self.inputs.len().max(1) as f64;
         (self.models.as_ref().map(|model| model.at(&inputs)), outside)
+    }
+
+    /// Returns how far a value lies below the range of an input: 0 in the range, 1 from [`FADE`] below it, and a number
+    /// between them between. Inputs that the models do not have, and values that are missing, are not below.
+    pub(super) fn share_below(&self, name: &str, value: Option<f64>) -> f64 {
+        let input = self.inputs.iter().find(|input| input.name == name);
+        let Some((input, value)) = input.zip(value.filter(|value| value.is_finite())) else {
+            return 0.0;
+        };
+        let below = (input.range[0] - Input::logarithm(value, input.scale)) / input.deviation;
+        ((below - ROUNDING) / FADE).clamp(0.0, 1.0)
     }
 }
 

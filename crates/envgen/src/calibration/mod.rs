@@ -38,7 +38,10 @@ use crate::kind::WorldKind;
 use crate::world::World;
 
 /// The calibrations that are part of this crate.
-static INDOOR: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("indoor.json")));
+static INDOOR: LazyLock<Calibration> = LazyLock::new(|| Calibration {
+    smaller: Some(Box::new(parse(include_str!("indoor_small.json")))),
+    ..parse(include_str!("indoor.json"))
+});
 static HALLWAY: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("hallway.json")));
 static FOREST: LazyLock<Calibration> = LazyLock::new(|| parse(include_str!("forest.json")));
 
@@ -65,6 +68,9 @@ pub struct Calibration {
     /// Models from settings; `None` for kinds that are not drawn by difficulty.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<DialModels>,
+    /// The calibration of worlds that are smaller than those of the atlas, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub smaller: Option<Box<Calibration>>,
 }
 
 /// The measured worlds to which a calibration was fitted. It is checked when it is read from a file.
@@ -160,6 +166,10 @@ impl Calibration {
 
     /// Predicts the difficulty of a world from its difficulty vector.
     ///
+    /// For a world whose ground is smaller than that of all worlds of the atlas, the prediction is that of the
+    /// calibration of [smaller](Self::smaller) worlds. Between the two sizes it passes from one to the other. The
+    /// prediction has the version of the calibration of smaller worlds wherever that has a part in it.
+    ///
     /// ```
     /// use envgen::calibration::Calibration;
     /// use envgen::difficulty::{DifficultyVector, Platform};
@@ -175,19 +185,36 @@ impl Calibration {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn predict(&self, vector: &DifficultyVector) -> Prediction {
-        self.prediction(&self.world, &|name| vector.get(name))
+        self.mixed("ground_area_m2", &|of| Some(&of.world), &|name| vector.get(name))
+            .unwrap_or_else(|| unreachable!("every calibration has models of worlds"))
     }
 
     /// Predicts the difficulty of the worlds that settings give, from the [`terms`](Input) of the settings; `None`
     /// for kinds that are not drawn by difficulty.
     pub(crate) fn predict_terms(&self, terms: &[(&str, f64)]) -> Option<Prediction> {
         let value = |name: &str| terms.iter().find(|(term, _)| *term == name).map(|(_, v)| *v);
-        self.settings.as_ref().map(|settings| self.prediction(settings, &value))
+        self.mixed("area_m2", &|of| of.settings.as_ref(), &value)
     }
 
-    fn prediction(&self, models: &DialModels, value: &dyn Fn(&str) -> Option<f64>) -> Prediction {
-        let (dials, outside) = models.predict(value);
-        Prediction { calibration: self.version, dials, outside }
+    /// The prediction by the models that `models` returns, mixed with that of smaller worlds where the area, the input
+    /// of the given name, is below those of the atlas.
+    fn mixed(
+        &self,
+        area: &str,
+        models: &dyn Fn(&Calibration) -> Option<&DialModels>,
+        value: &dyn Fn(&str) -> Option<f64>,
+    ) -> Option<Prediction> {
+        let own = models(self)?;
+        let alone = || {
+            let (dials, outside) = own.predict(value);
+            Prediction { calibration: self.version, dials, outside }
+        };
+        let share = own.share_below(area, value(area));
+        let smaller = self.smaller.as_ref().filter(|_| share > 0.0);
+        let Some(small) = smaller.and_then(|of| of.mixed(area, models, value)) else {
+            return Some(alone());
+        };
+        Some(if share < 1.0 { alone().mixed(&small, share) } else { small })
     }
 }
 
@@ -210,6 +237,79 @@ mod tests {
             assert_eq!(&found.scale, scale, "{kind} is on another scale");
         }
         assert_eq!(Calibration::of("a tool").map(|found| found.kind.as_str()), Some("indoor"));
+    }
+
+    #[test]
+    fn smaller_worlds_are_smaller_and_on_the_same_scale() {
+        let indoor = Calibration::indoor();
+        let small = indoor.smaller.as_deref().expect("small indoor maps are calibrated");
+        assert_eq!((&small.kind, &small.scale), (&indoor.kind, &indoor.scale));
+        assert_ne!(small.version, indoor.version);
+        let least = |of: &Calibration, name: &str| {
+            let models = [Some(&of.world), of.settings.as_ref()].into_iter().flatten();
+            let mut inputs = models.flat_map(|models| &models.inputs);
+            let input = inputs.find(|input| input.name == name).expect("an area");
+            input.scale * libm::expm1(input.range[0])
+        };
+        for name in ["ground_area_m2", "area_m2"] {
+            assert!(least(small, name) < 0.5 * least(indoor, name), "{name}");
+        }
+        let json = serde_json::to_value(indoor).unwrap();
+        assert_eq!(serde_json::from_value::<Calibration>(json).as_ref().ok(), Some(indoor));
+    }
+
+    /// A calibration whose dials are constant, for areas from `least` on.
+    fn constant(version: u32, value: f64, least: f64) -> Calibration {
+        let [low, high] = [least, 1000.0].map(|area| Input::logarithm(area, 100.0));
+        let model = json!({
+            "intercept": value, "coefficients": [0.0], "explained": 0.5,
+            "standard_errors": [0.1 * value, 0.1 * value],
+        });
+        let models = |name: &str| {
+            json!({
+                "inputs": [{
+                    "name": name, "scale": 100.0, "mean": 0.0, "deviation": 0.5, "range": [low, high],
+                }],
+                "models": {"difficulty": model, "mapping": model, "navigation": model},
+            })
+        };
+        let calibration = json!({
+            "version": version, "kind": "indoor", "scale": Calibration::indoor().scale,
+            "atlas": {"command": "atlas", "worlds": 1, "trials": 1, "digest": "0"},
+            "world": models("ground_area_m2"), "settings": models("area_m2"),
+        });
+        serde_json::from_value(calibration).expect("a calibration")
+    }
+
+    #[test]
+    fn predictions_pass_to_those_of_smaller_worlds() {
+        let mut calibration = constant(2, 6.0, 400.0);
+        let predicted = |calibration: &Calibration, area: f64| {
+            calibration.predict_terms(&[("area_m2", area)]).expect("a prediction")
+        };
+        let alone = predicted(&calibration, 150.0);
+        assert_eq!((alone.calibration, alone.dials.difficulty.value, alone.outside), (2, 6.0, 1.0));
+        calibration.smaller = Some(Box::new(constant(3, 4.0, 100.0)));
+        for area in [400.0, 900.0, 2000.0] {
+            let found = predicted(&calibration, area);
+            assert_eq!((found.calibration, found.dials.mapping.value), (2, 6.0), "{area}");
+        }
+        for area in [1.0, 100.0, 340.0] {
+            let found = predicted(&calibration, area);
+            let Estimate { value, standard_error } = found.dials.navigation;
+            assert_eq!((found.calibration, value, standard_error), (3, 4.0, 0.4), "{area}");
+            assert_eq!(found.outside, f64::from(u8::from(area < 100.0)));
+        }
+        // No step between the two sizes is a jump.
+        let areas = (0..=600).map(|i| 340.0 + 0.1 * f64::from(i));
+        let found: Vec<f64> =
+            areas.map(|area| predicted(&calibration, area).dials.difficulty.value).collect();
+        assert!(found.is_sorted() && found[0] == 4.0 && found[600] == 6.0);
+        assert!(found.windows(2).all(|pair| pair[1] - pair[0] < 0.02));
+        // Without an area, or without models, nothing is known of a size.
+        assert_eq!(calibration.predict_terms(&[]).map(|found| found.calibration), Some(2));
+        calibration.smaller.as_mut().expect("smaller worlds").settings = None;
+        assert_eq!(predicted(&calibration, 150.0), alone);
     }
 
     #[test]
@@ -266,8 +366,10 @@ mod tests {
 
     #[test]
     fn files_are_written_as_they_were_read() {
+        let (indoor, small) = (Calibration { smaller: None, ..INDOOR.clone() }, &INDOOR.smaller);
         for (calibration, text) in [
-            (&*INDOOR, include_str!("indoor.json")),
+            (&indoor, include_str!("indoor.json")),
+            (small.as_deref().expect("small maps"), include_str!("indoor_small.json")),
             (&*HALLWAY, include_str!("hallway.json")),
             (&*FOREST, include_str!("forest.json")),
         ] {

@@ -146,12 +146,13 @@ fn holds(world: &World, claim: &Claim) -> Result<bool, Doubt> {
 
 /// Whether the calibration gives the same prediction again.
 fn predicts(world: &World, claimed: &Prediction) -> Result<bool, Doubt> {
-    let calibration = Calibration::indoor();
-    if claimed.calibration != calibration.version {
+    let Ok(vector) = DifficultyVector::of(world, &Platform::default()) else { return Ok(false) };
+    let prediction = Calibration::indoor().predict(&vector);
+    // Worlds of different sizes are predicted by different calibrations.
+    if claimed.calibration != prediction.calibration {
         return Err(Doubt::OtherCalibration);
     }
-    let Ok(vector) = DifficultyVector::of(world, &Platform::default()) else { return Ok(false) };
-    Ok(calibration.predict(&vector) == *claimed)
+    Ok(prediction == *claimed)
 }
 
 /// Whether a disc fits at the start and at the goal, and can move from one to the other with its centre inside the

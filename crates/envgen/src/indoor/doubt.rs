@@ -4,19 +4,19 @@ use std::fmt;
 
 use super::blueprint::{Choice, FloorPlan};
 use super::calibrated::FARTHEST;
-use crate::calibration::{Calibration, Input, Prediction};
+use crate::calibration::{Calibration, Prediction};
 
 /// A reason why the difficulty of a map of the profile `calibrated` may be farther from the request than the standard
 /// error of its prediction says. Measured maps need no such doubts: see `envgen-trials measure`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CalibrationDoubt {
-    /// The map is smaller or larger than those that the calibration comes from. Predictions count it as the smallest
+    /// The map is smaller or larger than those that the calibrations come from. Predictions count it as the smallest
     /// or the largest of them.
     Size {
         /// Area of the grid in m².
         area: f64,
-        /// Least and greatest area of the grids of the atlas in m².
+        /// Least and greatest area of the grids of the atlases in m².
         atlas: [f64; 2],
     },
     /// Much of the map is unlike those that the calibration comes from.
@@ -67,9 +67,11 @@ impl FloorPlan {
         let mut doubts = Vec::new();
         let side = |cells: u32| f64::from(cells) * spec.cell_size;
         let area = side(spec.width) * side(spec.height);
-        doubts.extend(calibrated_areas().and_then(|(input, atlas)| {
-            input.standardised(Some(area)).1.then_some(CalibrationDoubt::Size { area, atlas })
-        }));
+        let atlas = calibrated_areas();
+        let tolerance = 1e-9 * area;
+        if area < atlas[0] - tolerance || area > atlas[1] + tolerance {
+            doubts.push(CalibrationDoubt::Size { area, atlas });
+        }
         let Prediction { outside, dials, .. } = *prediction;
         if prediction.is_extrapolated() {
             doubts.push(CalibrationDoubt::Unlike { outside });
@@ -84,11 +86,16 @@ impl FloorPlan {
     }
 }
 
-/// Returns the input of the areas of grids, and their range in m².
-fn calibrated_areas() -> Option<(&'static Input, [f64; 2])> {
-    let inputs = &Calibration::indoor().settings.as_ref()?.inputs;
-    let area = inputs.iter().find(|input| input.name == "area_m2")?;
-    Some((area, area.range.map(|log| area.scale * libm::expm1(log))))
+/// Returns the least and the greatest area in m² of the grids to which the calibrations of indoor maps are fitted.
+fn calibrated_areas() -> [f64; 2] {
+    let indoor = Calibration::indoor();
+    let all = [Some(indoor), indoor.smaller.as_deref()].into_iter().flatten();
+    let inputs = all.filter_map(|one| one.settings.as_ref()).flat_map(|models| &models.inputs);
+    let areas = inputs.filter(|input| input.name == "area_m2");
+    areas.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], input| {
+        let [low, high] = input.range.map(|log| input.scale * libm::expm1(log));
+        [least.min(low), most.max(high)]
+    })
 }
 
 #[cfg(test)]
@@ -109,10 +116,10 @@ mod tests {
 
     #[test]
     fn sizes_of_the_atlas_are_not_doubted() {
-        for size in [8, 10, 16] {
+        for size in [4, 5, 6, 7, 8, 10, 16] {
             assert_eq!(doubts(square(size, 5.0)), [], "{size}");
         }
-        let narrow = IndoorSpec { width: 6, height: 9, ..square(8, 5.0) };
+        let narrow = IndoorSpec { width: 4, height: 9, ..square(8, 5.0) };
         assert_eq!(doubts(narrow), []);
         assert_eq!(
             IndoorSpec::default().generate(Seed(1)).expect("a plan").calibration_doubts(),
@@ -122,15 +129,16 @@ mod tests {
 
     #[test]
     fn other_sizes_are_doubted() {
-        for (size, area) in [(4, 144.0), (6, 324.0), (20, 3600.0)] {
-            let CalibrationDoubt::Size { area: found, atlas } = doubts(square(size, 6.0))[0] else {
-                panic!("{size} cells are not doubted")
+        for (size, cell_size, area) in [(4, 2.5, 100.0), (20, 3.0, 3600.0)] {
+            let spec = IndoorSpec { cell_size, ..square(size, 5.0) };
+            let CalibrationDoubt::Size { area: found, atlas } = doubts(spec)[0] else {
+                panic!("{size} cells of {cell_size} m are not doubted")
             };
-            assert_eq!((found, atlas.map(f64::round)), (area, [486.0, 2304.0]));
+            assert_eq!((found, atlas.map(f64::round)), (area, [144.0, 2304.0]));
         }
-        let text = doubts(square(4, 6.0))[0].to_string();
-        assert!(text.starts_with("the map has 144 m\u{b2}"), "{text}");
-        assert!(text.contains("by maps of 486 to 2304 m\u{b2}"), "{text}");
+        let text = doubts(square(20, 5.0))[0].to_string();
+        assert!(text.starts_with("the map has 3600 m\u{b2}"), "{text}");
+        assert!(text.contains("by maps of 144 to 2304 m\u{b2}"), "{text}");
     }
 
     #[test]
@@ -152,7 +160,7 @@ mod tests {
 
     #[test]
     fn edited_plans_are_not_doubted() {
-        let spec = IndoorSpec { profile: Profile::Calibrated, ..square(4, 6.0) };
+        let spec = IndoorSpec { profile: Profile::Calibrated, ..square(20, 6.0) };
         let mut plan = spec.generate(Seed(1)).expect("a plan");
         assert!(!plan.calibration_doubts().is_empty());
         plan.edited = true;

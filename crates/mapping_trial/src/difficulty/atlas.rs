@@ -18,6 +18,7 @@ use crate::experiment::survey::{
 use crate::experiment::{ExperimentError, table};
 
 const INDOOR: &str = include_str!("atlas/indoor.ron");
+const INDOOR_SMALL: &str = include_str!("atlas/indoor_small.ron");
 const HALLWAY: &str = include_str!("atlas/hallway.ron");
 const FOREST: &str = include_str!("atlas/forest.ron");
 
@@ -73,7 +74,8 @@ pub struct AtlasSize {
 
 impl AtlasDesign {
     /// Returns the design of the atlas to which a calibration of `envgen` was fitted; `None` for kinds
-    /// that have none.
+    /// that have none. For indoor maps that are smaller than this atlas has,
+    /// [`indoor_small`](Self::indoor_small) has another.
     ///
     /// # Panics
     ///
@@ -86,6 +88,15 @@ impl AtlasDesign {
             _ => return None,
         };
         Some(Self::from_ron(text).expect("a design of an atlas"))
+    }
+
+    /// Returns the design of the atlas of small indoor maps.
+    ///
+    /// # Panics
+    ///
+    /// Never: the file is part of the crate, and tested.
+    pub fn indoor_small() -> Self {
+        Self::from_ron(INDOOR_SMALL).expect("a design of an atlas")
     }
 
     /// Reads a design from RON.
@@ -279,8 +290,10 @@ mod tests {
 
     #[test]
     fn every_world_of_every_atlas_can_be_generated() {
-        for kind in [WorldKind::Indoor, WorldKind::Hallway, WorldKind::Forest] {
-            let design = AtlasDesign::of(kind).expect("an atlas");
+        let kinds = [WorldKind::Indoor, WorldKind::Hallway, WorldKind::Forest];
+        let of_kinds = kinds.map(|kind| (kind, AtlasDesign::of(kind).expect("an atlas")));
+        let small = (WorldKind::Indoor, AtlasDesign::indoor_small());
+        for (kind, design) in of_kinds.into_iter().chain([small]) {
             assert_eq!(design.kind(), kind);
             let survey = design.survey(&Panel::reference()).expect("a survey");
             assert_eq!(survey.validate(), Ok(()));

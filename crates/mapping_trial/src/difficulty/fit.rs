@@ -9,7 +9,7 @@ use super::ridge;
 
 /// Version of the calibrations that this crate fits. It rises when inputs, coefficients or atlases
 /// change.
-const CALIBRATION_VERSION: u32 = 2;
+const CALIBRATION_VERSION: u32 = 3;
 
 /// Least standard deviation of an input in the atlas. Inputs that vary less are left out.
 const LEAST_DEVIATION: f64 = 1e-6;
@@ -87,6 +87,7 @@ pub fn calibrate(
         scale,
         world: models(features, &dials),
         settings: (terms.len() > 0).then(|| models(terms, &dials)),
+        smaller: None,
     })
 }
 

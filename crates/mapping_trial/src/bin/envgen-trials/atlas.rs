@@ -16,7 +16,7 @@ use crate::survey;
 /// The atlas's design.
 #[derive(Args)]
 pub(crate) struct DesignOptions {
-    /// The kind of worlds, each of which has a built-in atlas.
+    /// The kind of worlds, each of which has a built-in atlas. `indoor-small` are indoor maps of less than 486 m^2.
     #[arg(long, value_enum, default_value_t = AtlasKind::Indoor)]
     kind: AtlasKind,
 
@@ -29,6 +29,7 @@ pub(crate) struct DesignOptions {
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum AtlasKind {
     Indoor,
+    IndoorSmall,
     Hallway,
     Forest,
 }
@@ -36,6 +37,7 @@ enum AtlasKind {
 impl AtlasKind {
     fn design(self) -> AtlasDesign {
         let kind = match self {
+            AtlasKind::IndoorSmall => return AtlasDesign::indoor_small(),
             AtlasKind::Indoor => WorldKind::Indoor,
             AtlasKind::Hallway => WorldKind::Hallway,
             AtlasKind::Forest => WorldKind::Forest,

@@ -6,10 +6,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use envgen::calibration::{Atlas, Calibration, Dials};
+use envgen::calibration::{Atlas, Calibration, Dials, Scale};
 use envgen::whole_file;
 use envgen::world::Digest;
-use mapping_trial::difficulty::{Anchors, Panel, calibrate, samples};
+use mapping_trial::difficulty::{Anchors, Panel, calibrate, reference_scale, samples};
 use mapping_trial::experiment::Shard;
 use mapping_trial::experiment::survey::{Record, Survey, SurveyFolder};
 
@@ -34,6 +34,10 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     anchor_seeds: u32,
 
+    /// Uses the scale of the built-in calibrations, in place of the anchors' trials.
+    #[arg(long, conflicts_with_all = ["anchors", "anchor_seeds"])]
+    built_in_scale: bool,
+
     /// Fits to the worlds whose trials are finished, and leaves out the others.
     #[arg(long)]
     partial: bool,
@@ -49,11 +53,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let panel = Panel::reference();
-    let anchors = Anchors::first();
-    let survey = anchors.survey(&panel, arguments.anchor_seeds);
-    let folder = open(&survey, &arguments.anchors, Shard::WHOLE, false)?;
-    let scale = anchors.scale(&panel, folder.records())?;
-
+    let scale = scale(arguments, &panel)?;
     let design = arguments.design.read()?;
     let survey = design.survey(&panel)?;
     // The shares may be in any order, but each occurs once.
@@ -91,6 +91,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     }
     stdout::print(&text(&calibration))?;
     Ok(())
+}
+
+/// The scale on which the atlas's worlds are measured.
+fn scale(arguments: &Arguments, panel: &Panel) -> Result<Scale, Box<dyn Error>> {
+    if arguments.built_in_scale {
+        return Ok(reference_scale().clone());
+    }
+    let anchors = Anchors::first();
+    let survey = anchors.survey(panel, arguments.anchor_seeds);
+    let folder = open(&survey, &arguments.anchors, Shard::WHOLE, false)?;
+    Ok(anchors.scale(panel, folder.records())?)
 }
 
 /// Opens a folder whose trials are all finished, or only some of them.

@@ -16,7 +16,7 @@ settings! {
     /// The size of the proof.
     pub struct ProofDesign {
         /// Sides of the maps in cells, each tested by itself.
-        footprints: Vec<u32> = vec![8, 10, 16] => list("cells", "whole numbers from 6 to 24", "8,10,16");
+        footprints: Vec<u32> = vec![8, 10, 16] => list("cells", "whole numbers from 4 to 24", "8,10,16");
         /// Maps per footprint that are calibrated without simulation.
         maps: u32 = 120 => integer("", 4..=10_000);
         /// Maps per footprint that are verified.
@@ -100,12 +100,12 @@ impl ProofDesign {
     /// Names the first field whose value is not allowed.
     pub fn validate(&self) -> Result<(), SpecError> {
         self.check_fields()?;
-        let is_size = |size: &u32| (6..=24).contains(size);
+        let is_size = |size: &u32| (4..=24).contains(size);
         let distinct: BTreeSet<&u32> = self.footprints.iter().collect();
         let is_once = distinct.len() == self.footprints.len();
         if self.footprints.is_empty() || !self.footprints.iter().all(is_size) || !is_once {
             let all: Vec<String> = self.footprints.iter().map(u32::to_string).collect();
-            let allowed = "one or more whole numbers from 6 to 24, each once";
+            let allowed = "one or more whole numbers from 4 to 24, each once";
             return Err(SpecError::new("footprints", all.join(","), allowed));
         }
         if self.dial != Dial::Difficulty && self.thesis > 0 {
@@ -211,10 +211,10 @@ mod tests {
     #[test]
     fn bad_designs_are_refused() {
         let error = |design: ProofDesign| design.validate().expect_err("bad").to_string();
-        let sizes = error(ProofDesign { footprints: vec![4], ..Default::default() });
+        let sizes = error(ProofDesign { footprints: vec![3], ..Default::default() });
         assert!(sizes.starts_with("`footprints` must be one or more whole numbers"), "{sizes}");
         let twice = error(ProofDesign { footprints: vec![8, 10, 8], ..Default::default() });
-        assert!(twice.ends_with("from 6 to 24, each once, got 8,10,8"), "{twice}");
+        assert!(twice.ends_with("from 4 to 24, each once, got 8,10,8"), "{twice}");
         let thesis = error(ProofDesign { dial: Dial::Mapping, ..Default::default() });
         assert_eq!(thesis, "`thesis` must be 0 where the `dial` is not difficulty, got 40");
         let name = "all at twice".to_owned();
