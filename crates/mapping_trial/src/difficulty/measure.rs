@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::panel::Panel;
+use super::placed::placed;
 use super::usual_noise::usual_variance;
 use crate::experiment::stats::half_interval;
 use crate::experiment::survey::{Condition, Failure, Site};
@@ -140,11 +141,14 @@ pub struct Measuring<'a> {
 
 impl<'a> Measuring<'a> {
     /// Begins a measurement. The trials draw their noise from `noise` and the seeds after it, each from
-    /// a seed of its own.
+    /// a seed of its own. Where more of the walls lie on borders of score cells than would lie there half
+    /// a cell farther, the trials run in the world that is moved so: a world is then as difficult at one
+    /// place as at another.
     pub fn new(world: &World, panel: &'a Panel, noise: Seed) -> Self {
-        let source = LogWorld::Given(Box::new(world.clone()));
+        let world = placed(world);
+        let source = LogWorld::Given(Box::new(world.clone().into_owned()));
         let scores = vec![Vec::new(); panel.conditions.len()];
-        Measuring { site: Site::new(world.clone(), source), panel, noise, scores }
+        Measuring { site: Site::new(world.into_owned(), source), panel, noise, scores }
     }
 
     /// Checks that a trial can start under every condition of the panel, which takes much less time than a
@@ -399,7 +403,7 @@ mod tests {
             measuring.add(&[0, 1]).expect("trials");
         }
         let mut scores: Vec<f64> =
-            measuring.scores.concat().iter().map(|trial| trial.dials.mapping).collect();
+            measuring.scores.concat().iter().map(|trial| trial.dials.difficulty).collect();
         scores.sort_by(f64::total_cmp);
         assert!(scores.windows(2).all(|pair| pair[0] < pair[1]), "{scores:?}");
     }

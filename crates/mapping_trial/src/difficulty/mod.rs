@@ -20,6 +20,7 @@ mod fit;
 pub mod levers;
 mod measure;
 mod panel;
+mod placed;
 pub mod proof;
 mod ridge;
 mod usual_noise;

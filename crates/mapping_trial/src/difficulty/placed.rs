@@ -1,0 +1,141 @@
+//! Moves a world by half a score cell where that is better for its walls.
+//!
+//! Where the surface of a wall lies on a border of score cells, its echoes fall on either side, and the cells beside
+//! it hardly become free: the same world would be more difficult at one place than at another. Walls of generated
+//! indoor maps lie in the middle of cells.
+
+use std::borrow::Cow;
+
+use envgen::World;
+use envgen::geometry::{Shape, edges};
+use envgen::glam::DVec2;
+
+use crate::mappable_area::SCORE_CELL;
+
+/// How near to a border of cells a surface lies on it, as a fraction of a cell.
+const NEAR: f64 = 0.125;
+
+/// How parallel to an axis an edge is, as the greatest slope.
+const PARALLEL: f64 = 1e-3;
+
+/// Returns the world, moved along each axis by nothing or by half a score cell, so that the lesser length of walls
+/// lies on borders of cells. Roads and landscapes stay where they are.
+pub(super) fn placed(world: &World) -> Cow<'_, World> {
+    let by = best_move(world);
+    if by == DVec2::ZERO || !world.road_strips.is_empty() || world.raster.is_some() {
+        return Cow::Borrowed(world);
+    }
+    Cow::Owned(moved(world, by))
+}
+
+fn best_move(world: &World) -> DVec2 {
+    // Length of the surfaces on borders, along each axis: where the world is, and half a cell farther.
+    let (mut here, mut there) = (DVec2::ZERO, DVec2::ZERO);
+    for solid in world.solids() {
+        if matches!(*solid.shape, Shape::Disc { .. }) {
+            continue;
+        }
+        for (a, b) in edges(&solid.shape.corners()) {
+            let along = (b - a).abs();
+            for axis in 0..2 {
+                let length = along[1 - axis];
+                if along[axis] > PARALLEL * length {
+                    continue;
+                }
+                let cells = a[axis] / SCORE_CELL;
+                let is_on_border = |cells: f64| (cells - cells.round()).abs() < NEAR;
+                here[axis] += if is_on_border(cells) { length } else { 0.0 };
+                there[axis] += if is_on_border(cells + 0.5) { length } else { 0.0 };
+            }
+        }
+    }
+    let half = |axis: usize| if there[axis] < here[axis] { 0.5 * SCORE_CELL } else { 0.0 };
+    DVec2::new(half(0), half(1))
+}
+
+/// The parts of a world that trials meet, moved. What the world promises is left out.
+fn moved(world: &World, by: DVec2) -> World {
+    let mut world = world.clone();
+    world.certificate.clear();
+    let shapes = (world.walls.iter_mut().map(|part| &mut part.shape))
+        .chain(world.rooms.iter_mut().map(|part| &mut part.shape))
+        .chain(world.doorways.iter_mut().map(|part| &mut part.shape))
+        .chain(world.obstacles.iter_mut().map(|part| &mut part.shape))
+        .chain(world.surfaces.iter_mut().map(|part| &mut part.shape));
+    shapes.for_each(|shape| *shape = shape.moved(by));
+    world.trees.iter_mut().for_each(|tree| tree.center += by);
+    let poses = world.victims.iter_mut().chain(&mut world.start).chain(&mut world.goal);
+    poses.for_each(|pose| pose.position += by);
+    world.bounds.min += by;
+    world.bounds.max += by;
+    world
+}
+
+#[cfg(test)]
+mod tests {
+    use envgen::geometry::{Pose, Rect};
+    use envgen::hallway::HallwaySpec;
+    use envgen::indoor::IndoorSpec;
+    use envgen::world::{Wall, WallKind};
+    use envgen::{Blueprint, Provenance, Seed, Spec};
+
+    use super::*;
+
+    /// A room between walls whose surfaces lie at the ends of `inner`.
+    fn room(inner: Rect) -> World {
+        let outer = inner.grown(0.1);
+        let walls = [
+            Rect::new(outer.min, DVec2::new(inner.min.x, outer.max.y)),
+            Rect::new(DVec2::new(inner.max.x, outer.min.y), outer.max),
+            Rect::new(DVec2::new(inner.min.x, outer.min.y), DVec2::new(inner.max.x, inner.min.y)),
+            Rect::new(DVec2::new(inner.min.x, inner.max.y), DVec2::new(inner.max.x, outer.max.y)),
+        ];
+        let middle = inner.center();
+        let mut world = World::new(Provenance::other("test", serde_json::Value::Null), outer);
+        world.start = Some(Pose::new(middle.x, middle.y, 0.0));
+        world.walls = walls.map(|wall| Wall::new(WallKind::Wall, Shape::from_rect(wall))).into();
+        world
+    }
+
+    #[test]
+    fn surfaces_leave_the_borders_of_cells() {
+        let inner = |x: f64, y: f64| {
+            let min = DVec2::new(x, y);
+            Rect::new(min, min + DVec2::new(8.0, 6.0))
+        };
+        for (at, by) in [
+            ((0.0, 0.0), (0.05, 0.05)),
+            ((-3.3, 0.45), (0.05, 0.0)),
+            ((0.03, 2.101), (0.0, 0.05)),
+            ((0.025, 0.075), (0.0, 0.0)),
+        ] {
+            let world = room(inner(at.0, at.1));
+            let by = DVec2::new(by.0, by.1);
+            assert_eq!(best_move(&world), by, "{at:?}");
+            let placed = placed(&world);
+            assert_eq!(best_move(&placed), DVec2::ZERO, "{at:?}");
+            assert_eq!(placed.bounds.min, world.bounds.min + by);
+            let moved = |world: &World| world.start.expect("a start").position;
+            assert_eq!(moved(&placed), moved(&world) + by);
+            for (one, other) in placed.solids().zip(world.solids()) {
+                let (one, other) = (one.shape.bounds(), other.shape.bounds());
+                assert!((one.min - other.min - by).length() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn generated_maps_stay_where_they_are() {
+        for seed in 0..30 {
+            let base = IndoorSpec { width: 8, height: 8, ..Default::default() };
+            for spec in [base.draw_levers(Seed(seed)), base] {
+                let world = spec.generate(Seed(seed)).expect("a plan").to_world();
+                assert!(matches!(placed(&world), Cow::Borrowed(_)), "seed {seed}");
+            }
+        }
+        // The paper's hallways are 2 m wide.
+        let hall = HallwaySpec { segments: 5, width: 2.0, ..Default::default() };
+        let world = hall.generate(Seed(1)).expect("a hallway").to_world();
+        assert!(matches!(placed(&world), Cow::Owned(_)));
+    }
+}
