@@ -3,6 +3,7 @@
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
 
+use super::margins::is_slow;
 use crate::lidar::{LaserProfile, Scan};
 use crate::robot::Robot;
 
@@ -17,10 +18,6 @@ const WHEELS: f64 = 0.7;
 /// A motion that brings the body at most this much nearer to an echo, in metres, is not stopped by it.
 /// In a narrow gap, noise puts echoes beside the body inside it.
 const GRAZE: f64 = 0.02;
-
-/// Greatest number of ticks between two scans for which echoes need not be moved with the robot. In
-/// this time a Pioneer 3-AT moves 10 cm or turns by 16 degrees.
-const FRESH: u32 = 4;
 
 /// The echoes around a robot, and the water, in its own frame: x ahead, y to the left.
 #[derive(Clone, Debug)]
@@ -44,7 +41,7 @@ impl Guard {
         Guard {
             beams: beams.collect(),
             laser: mount.position,
-            is_slow: laser.ticks_a_scan > FRESH,
+            is_slow: is_slow(laser),
             horizon: horizon(robot),
             radius: robot.circumscribed_radius,
             echoes: Vec::new(),

@@ -10,6 +10,15 @@ use crate::robot::{PIONEER_3AT, Robot};
 /// fraction of their greatest speed.
 const CRUISE: f64 = 0.5;
 
+/// Greatest number of ticks between two scans for which echoes need not be moved with the robot. In
+/// this time a Pioneer 3-AT moves 10 cm or turns by 16 degrees.
+const FRESH: u32 = 4;
+
+/// Returns whether a robot moves far between two scans of a laser.
+pub(super) fn is_slow(laser: &LaserProfile) -> bool {
+    laser.ticks_a_scan > FRESH
+}
+
 /// The limits of driving, computed once per robot. All are in metres, m/s, radians and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Margins {
@@ -29,6 +38,9 @@ pub(super) struct Margins {
     /// Angle of the first turn, after which the laser has seen all around, and the time after which
     /// this turn ends in any case.
     pub(super) survey: (f64, f64),
+    /// Greatest turn rate of that turn, and the time for which the robot waits after it for a scan of where it turned
+    /// to, for lasers with long times between scans.
+    pub(super) slow_survey: Option<(f64, f64)>,
     /// Time for which the robot looks at an unknown place before it gives up: two scans and the map.
     pub(super) look: f64,
     /// Least mean speed on a path. A slower robot gives the path up.
@@ -64,6 +76,11 @@ impl Margins {
         let turns = (turning_around(robot) / turning_around(&PIONEER_3AT)).max(1.0);
         let slowness = turns.max(0.15 / slow);
         let turn = (1.1 * PI + (PI - laser.field_of_view)).max(0.1 * PI);
+        let period = f64::from(laser.ticks_a_scan) * TICK;
+        let look = (2.5 * period).max(0.6);
+        // Scans overlap, unless the turn would take more than a minute.
+        let overlapping = (0.8 * laser.field_of_view / period).max(turn / 60.0);
+        let survey_rate = overlapping.min(robot.max_turn_rate);
         Margins {
             slowness,
             cruise,
@@ -71,8 +88,9 @@ impl Margins {
             lookahead: (1.2 * cruise).max(0.6),
             feet: 0.4 + larger,
             meeting: 1.4 + 2.0 * larger,
-            survey: (turn, (3.0 * turn / robot.max_turn_rate).max(10.0 * slowness)),
-            look: (2.5 * f64::from(laser.ticks_a_scan) * TICK).max(0.6),
+            survey: (turn, (3.0 * turn / survey_rate).max(10.0 * slowness)),
+            slow_survey: is_slow(laser).then_some((survey_rate, look)),
+            look,
             slowest: 0.2 * cruise / turns,
             stuck: ((0.1 * 5.0 * cruise).min(0.1), 5.0 * turns),
             back_off: (0.3, slow),
@@ -102,6 +120,7 @@ mod tests {
             feet: 0.4,
             meeting: 1.4,
             survey: (1.1 * PI, 10.0),
+            slow_survey: None,
             look: 0.6,
             slowest: 0.1,
             stuck: (0.1, 5.0),
@@ -124,6 +143,24 @@ mod tests {
         let robot = Robot { turn_acceleration: 0.02, ..PIONEER_3AT };
         let margins = Margins::of(&robot, &LaserProfile::default());
         assert!((7.0..9.0).contains(&margins.slowness), "{margins:?}");
+    }
+
+    #[test]
+    fn scans_overlap_while_a_robot_looks_all_around() {
+        for (ticks_a_scan, field_of_view) in
+            [(5, PI), (100, PI), (200, PI), (200, 0.5 * PI), (200, 0.0)]
+        {
+            let laser = LaserProfile { ticks_a_scan, field_of_view, ..LaserProfile::default() };
+            let Margins { survey: (turn, until), slow_survey, look, .. } =
+                Margins::of(&PIONEER_3AT, &laser);
+            let (rate, wait) = slow_survey.expect("a slow laser");
+            let period = f64::from(ticks_a_scan) * TICK;
+            let (overlaps, takes_long) = (rate * period < field_of_view, turn / rate > 59.0);
+            assert!(overlaps || takes_long, "{laser:?}: {rate}");
+            assert!(turn / rate < 61.0 && until > turn / rate, "{laser:?}: {rate}, {until}");
+            assert!(wait == look && wait > 2.0 * period, "{laser:?}: {wait}");
+            assert!(rate <= PIONEER_3AT.max_turn_rate);
+        }
     }
 
     #[test]

@@ -81,11 +81,25 @@ impl Navigator {
                 Task::Survey { heading, turned, until } => {
                     let turned = turned + wrap_angle(pose.heading - heading);
                     let left = self.margins.survey.0 - turned;
+                    let slow = self.margins.slow_survey;
                     if left > 0.1 && view.seen.time < until {
                         pilot.task = Task::Survey { heading: pose.heading, turned, until };
-                        return Some(Decision::Drive(turn(view.body, left)));
+                        let Command { speed, turn_rate } = turn(view.body, left);
+                        let most = slow.map_or(f64::INFINITY, |(rate, _)| rate);
+                        let turn_rate = turn_rate.clamp(-most, most);
+                        return Some(Decision::Drive(Command { speed, turn_rate }));
                     }
-                    pilot.task = Task::Choose;
+                    pilot.task = match slow {
+                        Some((_, wait)) => Task::Settle { until: view.seen.time + wait },
+                        None => Task::Choose,
+                    };
+                }
+                Task::Settle { until } => {
+                    if view.seen.time < until {
+                        return Some(Decision::Drive(Command::STOP));
+                    }
+                    self.refresh(view);
+                    self.pilots[view.robot].task = Task::Choose;
                 }
                 Task::Choose => {
                     self.plan_for(view.robot, false);

@@ -179,6 +179,19 @@ fn slow_lasers_and_lasers_that_look_backwards_explore_as_well() {
     }
 }
 
+/// The first scan of this map shows no frontier that can be reached, and the next one comes after 6 or 10 s.
+#[test]
+fn slow_lasers_look_all_around_before_anything_ends() {
+    let spec = IndoorSpec { width: 5, height: 5, ..Default::default() };
+    let world = spec.generate(Seed(3)).expect("a plan").to_world();
+    // With one scan in 10 s, a robot may get lost later.
+    for (ticks_a_scan, least) in [(120, 0.9), (200, 0.5)] {
+        let laser = LaserProfile { ticks_a_scan, ..LaserProfile::USARSIM };
+        let (_, scores) = run(&world, Robot::default(), laser, 1200.0);
+        assert!(scores.coverage > least, "{ticks_a_scan}: {scores:?}");
+    }
+}
+
 /// The robots in `assets/robots` are valid, and each of them maps a hallway with few collisions.
 #[test]
 fn the_robots_that_ship_can_be_driven() {

@@ -86,6 +86,8 @@ pub(super) enum Task {
     Begin,
     /// Continue to look all around: the last heading, and how far the robot has turned.
     Survey { heading: f64, turned: f64, until: f64 },
+    /// Wait for a scan of where a slow laser has turned to.
+    Settle { until: f64 },
     /// Choose a goal.
     Choose,
     /// Drive to a goal.
