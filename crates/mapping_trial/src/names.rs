@@ -43,24 +43,34 @@ pub trait Named: Clone + PartialEq + Sized + 'static {
     }
 }
 
-/// Returns a text of others, such as a person's name, in which control characters are escaped: on a terminal, it
-/// changes no colours and begins no line.
+/// Returns a text of others, such as a person's name, in which control characters, and those that change the direction
+/// of writing, are escaped: on a terminal, it changes no colours and no other text, and begins no line.
 ///
 /// ```
 /// use mapping_trial::names::printable;
 ///
 /// assert_eq!(printable("Zoë \u{1b}[31m\n"), "Zoë \\u{1b}[31m\\n");
+/// assert_eq!(printable("a\u{202e}b"), "a\\u{202e}b");
 /// ```
 pub fn printable(text: &str) -> String {
     let mut shown = String::new();
     for char in text.chars() {
-        if char.is_control() {
-            shown.extend(char.escape_debug());
-        } else {
-            shown.push(char);
+        match char {
+            char if is_printable(char) => shown.push(char),
+            char if char.is_control() => shown.extend(char.escape_debug()),
+            char => shown.extend(char.escape_unicode()),
         }
     }
     shown
+}
+
+/// Whether a character is neither a control character nor one that changes the direction of writing.
+pub(crate) fn is_printable(char: char) -> bool {
+    let turns = matches!(
+        char,
+        '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}'
+    );
+    !(char.is_control() || turns)
 }
 
 impl Named for LaserProfile {

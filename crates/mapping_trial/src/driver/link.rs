@@ -16,7 +16,11 @@ const CHUNK: usize = 1 << 16;
 /// An event on the driver's side.
 #[derive(Debug)]
 enum Event {
-    Line(Vec<u8>),
+    Line {
+        line: Vec<u8>,
+        /// The next line, if it was read together with this one. Nobody can have asked for it.
+        next: Option<Vec<u8>>,
+    },
     Broken(LinkError),
 }
 
@@ -52,6 +56,8 @@ pub(super) struct Link {
     written: Receiver<()>,
     /// How long all answers took so far.
     waited: Duration,
+    /// A line that was read together with the last answer.
+    unasked: Option<Vec<u8>>,
 }
 
 impl Link {
@@ -73,13 +79,16 @@ impl Link {
             drop(writes);
         });
         thread::spawn(move || read_lines(output, &to_events));
-        Link { limits, lines: Some(lines), events, written, waited: Duration::ZERO }
+        Link { limits, lines: Some(lines), events, written, waited: Duration::ZERO, unasked: None }
     }
 
     /// Writes a line and waits for the answer. After an error, no further question is allowed.
     pub(super) fn ask(&mut self, line: Vec<u8>) -> Result<Vec<u8>, LinkError> {
+        if let Some(line) = self.unasked.take() {
+            return Err(LinkError::Unasked(line));
+        }
         match self.events.try_recv() {
-            Ok(Event::Line(line)) => return Err(LinkError::Unasked(line)),
+            Ok(Event::Line { line, .. }) => return Err(LinkError::Unasked(line)),
             Ok(Event::Broken(error)) => return Err(error),
             Err(TryRecvError::Empty) => {}
             Err(TryRecvError::Disconnected) => return Err(LinkError::Closed { half: 0 }),
@@ -92,7 +101,10 @@ impl Link {
         let event = self.events.recv_timeout(patience);
         self.waited += asked.elapsed();
         match event {
-            Ok(Event::Line(line)) => Ok(line),
+            Ok(Event::Line { line, next }) => {
+                self.unasked = next;
+                Ok(line)
+            }
             Ok(Event::Broken(error)) => Err(error),
             Err(RecvTimeoutError::Disconnected) => Err(LinkError::Closed { half: 0 }),
             Err(RecvTimeoutError::Timeout) if self.waited >= self.limits.total => {
@@ -112,11 +124,11 @@ impl Link {
 
     /// Returns a line that nobody asked for, which has come since the last answer or comes within some
     /// time.
-    pub(super) fn leftover(&self, patience: Duration) -> Option<Vec<u8>> {
-        match self.events.recv_timeout(patience) {
-            Ok(Event::Line(line)) => Some(line),
+    pub(super) fn leftover(&mut self, patience: Duration) -> Option<Vec<u8>> {
+        self.unasked.take().or_else(|| match self.events.recv_timeout(patience) {
+            Ok(Event::Line { line, .. }) => Some(line),
             _ => None,
-        }
+        })
     }
 
     /// Waits until the last line is written, but at most `patience`.
@@ -149,10 +161,14 @@ fn read_lines(output: impl Read, events: &SyncSender<Event>) {
     let mut output = BufReader::with_capacity(CHUNK, output);
     loop {
         let event = match read_line(&mut output) {
-            Ok(line) => Event::Line(line),
+            Ok(line) => {
+                let read = output.buffer();
+                let end = read.iter().position(|&byte| byte == b'\n');
+                Event::Line { line, next: end.map(|end| read[..end].to_vec()) }
+            }
             Err(error) => Event::Broken(error),
         };
-        let more = matches!(event, Event::Line(_));
+        let more = matches!(event, Event::Line { .. });
         if events.send(event).is_err() || !more {
             return;
         }
@@ -270,6 +286,22 @@ mod tests {
         read.recv().unwrap();
         let error = link.ask(b"?".to_vec()).unwrap_err();
         assert!(matches!(&error, LinkError::Unasked(line) if line == b"yes"), "{error:?}");
+    }
+
+    #[test]
+    fn lines_that_come_together_are_one_answer_and_an_error() {
+        let (question, input) = std::io::pipe().unwrap();
+        let (output, mut answers) = std::io::pipe().unwrap();
+        let driver = thread::spawn(move || {
+            BufReader::new(question).read_line(&mut String::new()).unwrap();
+            answers.write_all(b"yes\nno\n").unwrap();
+            answers
+        });
+        let mut link = Link::new(input, output, limits(60_000, 60_000));
+        assert_eq!(link.ask(b"?".to_vec()).unwrap(), b"yes");
+        let _answers = driver.join().unwrap();
+        let error = link.ask(b"?".to_vec()).unwrap_err();
+        assert!(matches!(&error, LinkError::Unasked(line) if line == b"no"), "{error:?}");
     }
 
     /// Writes "yes" forever, and reports each read.

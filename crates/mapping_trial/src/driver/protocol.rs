@@ -7,7 +7,7 @@ use super::error::{DriverError, not_allowed};
 use super::grid::Grid;
 use crate::backend::{Command, Observation, TICK};
 use crate::lidar::Scan;
-use crate::names::printable;
+use crate::names::{is_printable, printable};
 use crate::score::Scores;
 use crate::setting_limits::number;
 use crate::trial::{EndReason, Setup, TrialReport, TrialSettings};
@@ -203,7 +203,7 @@ impl Greeting {
         }
         if name.trim().is_empty()
             || name.chars().count() > LONGEST_NAME
-            || name.chars().any(char::is_control)
+            || !name.chars().all(is_printable)
         {
             let allowed = format!("from 1 to {LONGEST_NAME} printable characters");
             return Err(not_allowed("name", format!("`{}`", excerpt(name)), allowed));

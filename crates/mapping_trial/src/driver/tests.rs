@@ -282,6 +282,10 @@ fn a_bad_hello_is_a_failure_at_once() {
             "`protocol` must be envgen-driver 1",
         ),
         ("Python 3.11.7\n", "in `Python 3.11.7` (answer to the hello)"),
+        (
+            "{\"protocol\": \"envgen-driver 1\", \"name\": \"a\u{202e}b\"}\n",
+            "`name` must be from 1 to 64 printable characters, got `a\\u{202e}b`",
+        ),
     ] {
         let (driver, _) = driver(PATIENCE, move |_| Some(answer.to_owned()));
         assert_eq!(driver.greet(&hello(1)), None);
