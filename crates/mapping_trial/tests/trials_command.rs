@@ -222,11 +222,9 @@ fn a_trials_own_map_scores_as_its_report_says() {
     let strict = |report: &Value| report["map"]["f1_15"].as_f64().expect("a share");
     assert!(strict(&lost) + 0.1 < strict(&found), "{} and {}", strict(&lost), strict(&found));
     assert!(strict(&found) > strict(&turned) - 0.05);
-
     // The heading of a start is 0 if it is left out.
-    let place = format!("{x},{y}");
-    let headed = score(&["--map", "from_start.yaml", "--start", &format!("{place},0")]);
-    assert_eq!(score(&["--map", "from_start.yaml", "--start", &place]), headed);
+    let headed = score(&["--map", "from_start.yaml", "--start", &format!("{x},{y},0")]);
+    assert_eq!(score(&["--map", "from_start.yaml", "--start", &format!("{x},{y}")]), headed);
 
     // A map that is free everywhere has full coverage, about which there is a warning.
     let image = [b"P5\n800 800\n255\n".to_vec(), vec![254; 800 * 800]].concat();
@@ -248,7 +246,16 @@ fn a_trials_own_map_scores_as_its_report_says() {
     std::fs::write(folder.path().join("free.yaml"), yaml.replace("negate: 0", "negate: 1"))
         .expect("a file");
     assert_eq!(warned("free.yaml", "world"), [false, false, true]);
-
+    // What an estimate lacks does not count, and there is a warning.
+    let all = std::fs::read_to_string(folder.path().join("estimate.tum")).expect("text");
+    let part: Vec<&str> = all.lines().take(100).collect();
+    std::fs::write(folder.path().join("part.tum"), part.join("\n")).expect("a file");
+    let warns = ["estimate.tum", "part.tum"].map(|estimate| {
+        let pair = ["--trajectory", estimate, "--truth", "truth.tum"];
+        let all = [&["score", "--world", "world.json"][..], &own, &pair].concat();
+        String::from_utf8_lossy(&run(folder.path(), &all).stderr).contains("no pose for")
+    });
+    assert_eq!(warns, [false, true]);
     // The text for people has the same content.
     let output = run(folder.path(), &[&["score", "--world", "world.json"][..], &own].concat());
     let text = String::from_utf8(output.stdout).expect("text");
@@ -491,6 +498,9 @@ fn unfinished_and_foreign_atlases_are_refused() {
     std::fs::write(&head, text.replacen("\"version\": 2", "\"version\": 1", 1)).expect("a head");
     let other = error(at, &["calibrate", "--anchors", "anchors", "--out", "new.json"]);
     assert!(other.contains("a survey of version 1, expected 2"), "{other}");
+    // The built-in scale needs no anchors.
+    let missing = error(at, &["calibrate", "--built-in-scale", "--atlas=none", "--out=new.json"]);
+    assert!(missing.starts_with("error: none/survey.json: this file does not exist"), "{missing}");
     assert!(!at.join("new.json").exists());
 }
 

@@ -33,6 +33,12 @@ const LEAST_GROUND: f64 = 0.5;
 /// three tenths were.
 const LEAST_PRECISION: f64 = 0.5;
 
+/// Greatest fraction of the true path for which an estimate may be missing without a warning.
+const MOST_MISSING: f64 = 0.1;
+
+/// Greatest distance in metres on the true path between two poses of an estimate that does not count as missing.
+const GAP: f64 = 1.0;
+
 #[derive(Args)]
 #[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
 pub(crate) struct Arguments {
@@ -191,6 +197,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         ));
     }
 
+    for ((estimated, truth), path) in robots.iter().zip(&arguments.trajectory) {
+        let missing = missing_share(estimated, truth);
+        if missing > MOST_MISSING {
+            warn(&format!(
+                "{}: no pose for {:.0} % of the true path: errors there do not count",
+                path.display(),
+                100.0 * missing
+            ));
+        }
+    }
+
     let report = Report {
         world: world.provenance.name(),
         world_digest: world.digest().to_string(),
@@ -207,6 +224,31 @@ fn ground_share(ros_map: &RosMap, scores: &MapScores) -> f64 {
     let free = ros_map.cells.iter().filter(|cell| **cell == RosCell::Free).count() as f64;
     let free_area = free * ros_map.resolution * ros_map.resolution;
     scores.coverage * scores.free_area / free_area.max(f64::MIN_POSITIVE)
+}
+
+/// The fraction of the true path's length that lies in gaps of an estimate.
+fn missing_share(estimated: &[TimedPose], truth: &[TimedPose]) -> f64 {
+    let mut times: Vec<f64> = estimated.iter().map(|pose| pose.time).collect();
+    times.sort_by(f64::total_cmp);
+    let mut next = times.into_iter().peekable();
+    let (mut whole, mut missing, mut since) = (0.0, 0.0, 0.0);
+    let mut last = truth.first();
+    for pose in truth {
+        let step = last.map_or(0.0, |last| pose.pose.position.distance(last.pose.position));
+        last = Some(pose);
+        whole += step;
+        since += step;
+        let mut is_seen = false;
+        while next.next_if(|time| *time <= pose.time).is_some() {
+            is_seen = true;
+        }
+        if is_seen {
+            missing += if since > GAP { since } else { 0.0 };
+            since = 0.0;
+        }
+    }
+    missing += if since > GAP { since } else { 0.0 };
+    if whole > 0.0 { missing / whole } else { 0.0 }
 }
 
 fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {
