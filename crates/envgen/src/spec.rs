@@ -17,7 +17,7 @@ use crate::landscape::LandscapeError;
 use crate::provenance::Provenance;
 use crate::road::RoadError;
 use crate::seed::Seed;
-use crate::settings::Setting;
+use crate::settings::{Allowed, Setting};
 use crate::world::World;
 
 /// The reasons why a spec could not be made from settings.
@@ -343,7 +343,14 @@ impl WorldSpec {
         let setting = self.kind().setting(name)?;
         let mut settings = self.settings_json();
         settings[setting.name] = setting.parse(value)?;
-        *self = self.kind().spec_from_json(settings).map_err(|_| setting.error(value))?;
+        let is_structured = settings[setting.name].is_array() || settings[setting.name].is_object();
+        *self = self.kind().spec_from_json(settings).map_err(|error| match setting.allowed {
+            // What is wrong is a part of the value.
+            Allowed::Other(_) if is_structured => {
+                setting.error_with(value, format!("{}: {error}", setting.allowed_text()))
+            }
+            _ => setting.error(value),
+        })?;
         Ok(())
     }
 
