@@ -52,6 +52,9 @@ const NEEDLE: f64 = 1e-9;
 /// The same as a share of the greatest coordinate: four times by how much rounding moves a corner.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// How far in metres parts may reach over the bounds that a file states, which stay as stated.
+const OVERHANG: f64 = 1e-9;
+
 /// The margin in metres by which the bounds of a file without width or height are enlarged on all sides.
 const LEAST_MARGIN: f64 = 0.5;
 
@@ -157,9 +160,19 @@ fn bounds_of(world: &World, bbox: Option<Rect>) -> Rect {
     let roads = world.road_strips.iter().flat_map(|road| &road.centreline).map(|point| point.pose);
     let poses = roads.chain(world.start).chain(world.goal).chain(world.victims.iter().copied());
     let points = poses.map(|pose| Rect::new(pose.position, pose.position));
-    let around = solids.chain(points).chain(bbox).reduce(Rect::union);
-    let around = around.unwrap_or(Rect::new(DVec2::ZERO, DVec2::ZERO));
+    let around = solids.chain(points).reduce(Rect::union);
+    let around = match (around, bbox) {
+        // Corners of parts may lie over the bounds by rounding.
+        (Some(around), Some(bbox)) if over(around, bbox) <= OVERHANG => bbox,
+        (Some(around), Some(bbox)) => around.union(bbox),
+        (around, bbox) => around.or(bbox).unwrap_or(Rect::new(DVec2::ZERO, DVec2::ZERO)),
+    };
     if around.size().min_element() > 0.0 { around } else { around.grown(LEAST_MARGIN) }
+}
+
+/// How far the first rectangle reaches over the second one.
+fn over(inner: Rect, outer: Rect) -> f64 {
+    (outer.min - inner.min).max(inner.max - outer.max).max_element()
 }
 
 /// The geometry of a feature.

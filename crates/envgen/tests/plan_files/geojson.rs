@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use envgen::geometry::{signed_area, unit_vector};
 use envgen::glam::DVec2;
 use envgen::import::read_geojson;
+use envgen::indoor::IndoorSpec;
 use envgen::road::{Prefab, RoadSpec};
 use envgen::{Blueprint, Seed, Spec};
 use serde_json::Value;
@@ -72,4 +73,18 @@ fn closed_roads_are_closed_lines() {
     );
     let last = square.unwrap().road_strips[0].centreline[3].pose;
     assert_eq!((last.position, last.heading), (DVec2::new(0.0, 10.0), -FRAC_PI_2));
+}
+
+#[test]
+fn bounds_are_as_stated_where_parts_reach_over_them_by_rounding() {
+    let world = IndoorSpec { width: 6, height: 6, ..Default::default() };
+    let world = world.generate(Seed(1)).unwrap().to_world();
+    let text = written(&world, "a.geojson");
+    assert_eq!(read_geojson(&mut text.as_bytes()).unwrap().bounds, world.bounds);
+    // Walls that lie outside enlarge them.
+    let mut collection: Value = serde_json::from_str(&text).unwrap();
+    collection["bbox"] = serde_json::json!([1.0, 1.0, 5.0, 5.0]);
+    let bounds = read_geojson(&mut collection.to_string().as_bytes()).unwrap().bounds;
+    assert!((bounds.min - world.bounds.min).abs().max_element() < 1e-9, "{bounds:?}");
+    assert!((bounds.max - world.bounds.max).abs().max_element() < 1e-9, "{bounds:?}");
 }
