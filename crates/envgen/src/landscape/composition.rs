@@ -129,7 +129,8 @@ pub fn entropy_of(counts: &[u32]) -> f64 {
             -share * libm::log(share)
         })
         .sum();
-    sum.max(0.0)
+    // The second sum turns -0 into 0.
+    sum.max(0.0) + 0.0
 }
 
 /// Returns the greatest entropy, in nats, that `cells` cells in `classes` classes can have; 0 if either is 0.

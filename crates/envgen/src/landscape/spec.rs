@@ -138,7 +138,7 @@ pub(super) const RULES: &[&str] = &[
     "`entropy` is at most what that many `classes` reach, and where `keep_classes` is true at least \
      what they have with one cell each but for one class",
     "`total_edge` lies between bounds that follow from `rows`, `cols`, `classes` and `entropy`, which \
-     an error names",
+     an error names; where `algorithm` is automaton or smooth, they are narrower and depend on the seed",
 ];
 
 impl LandscapeSpec {

@@ -53,7 +53,8 @@ enum Command {
     /// Every promise of the certificate is verified from the shapes of the world alone. Then the world is generated
     /// again from its spec and seed. The exit code is 1 if a promise does not hold or cannot be decided, or if the
     /// spec and seed give another world. These files pass, with a note: files without promises, imported worlds,
-    /// worlds that are marked as edited, and worlds of another value version.
+    /// worlds that are marked as edited, worlds of another value version or of other random streams, and files with few
+    /// parts whose spec would make very many.
     Check(check::Arguments),
 }
 

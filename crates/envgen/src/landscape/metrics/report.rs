@@ -170,7 +170,7 @@ impl RasterReport {
         let edges = inner + if border == Border::Counted { at_border } else { 0 };
         let area = total as f64 * cell * cell;
         let shares = || sides.iter().map(|class| class.cells as f64 / total as f64);
-        let shdi = shares().map(|p| -p * libm::log(p)).sum::<f64>().max(0.0);
+        let shdi = shares().map(|p| -p * libm::log(p)).sum::<f64>().max(0.0) + 0.0;
         let most = libm::log(sides.len() as f64);
         let entropies = adjacency.entropies();
 
