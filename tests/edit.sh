@@ -294,6 +294,10 @@ is_running
 picture stays_after_picture
 save hall.ron
 same "$(grep -o add_hallway hall.ron | wc -l)" 3 "cells of hallway added"
+# They are one step of undo.
+press ctrl+z
+save undone.ron
+same "$(grep -o add_hallway undone.ron | wc -l)" 0 "cells of hallway after one undo"
 press ctrl+q
 ended
 

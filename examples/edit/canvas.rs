@@ -138,16 +138,20 @@ fn paint(ui: &Ui, response: &egui::Response, session: &mut Session) {
     let Some(size) = session.document.plan().map(|plan| plan.spec().cell_size) else { return };
     let began = session.tools.paints;
     let (from, mut adds) = (began.map_or(at, |began| began.at), began.map(|began| began.adds));
+    let mut has_changed = began.is_some_and(|began| began.has_changed);
     for p in in_each_cell(from, at, size) {
         let Some(change) = session.tools.paint(&session.document, p, adds) else { continue };
         // During a drag, what cannot be changed is skipped without a message.
         if adds.is_none() || session.document.test(change.clone()).is_ok() {
-            session.change(change.clone(), at);
+            has_changed = match has_changed {
+                true => session.extend(change.clone(), at) || has_changed,
+                false => session.change(change.clone(), at),
+            };
         }
         let is_added = |edit: &Edit| matches!(edit, Edit::AddHallway { .. });
         adds.get_or_insert(matches!(&change, Change::Plan(edit) if is_added(edit)));
     }
-    session.tools.paints = adds.filter(|_| is_down).map(|adds| Painting { adds, at });
+    session.tools.paints = adds.filter(|_| is_down).map(|adds| Painting { adds, at, has_changed });
 }
 
 /// Returns a point in each cell that the line between two points crosses, in order: between two frames a fast pointer

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_mapping_trial::ui::egui;
-use envgen::edit::{Change, Document, Target, WorldTarget};
+use envgen::edit::{Change, Document, DocumentError, Target, WorldTarget};
 use envgen::glam::DVec2;
 use envgen::indoor::Catalogue;
 use envgen::mesh::BodyRaycaster;
@@ -181,7 +181,18 @@ impl Session {
 
     /// Makes a change. If it is refused, this is shown at a point.
     pub(crate) fn change(&mut self, change: Change, at: DVec2) -> bool {
-        match self.document.apply(change) {
+        let result = self.document.apply(change);
+        self.show(result, at)
+    }
+
+    /// Makes a change that is undone together with the one before.
+    pub(crate) fn extend(&mut self, change: Change, at: DVec2) -> bool {
+        let result = self.document.extend(change);
+        self.show(result, at)
+    }
+
+    fn show(&mut self, result: Result<Option<Target>, DocumentError>, at: DVec2) -> bool {
+        match result {
             Ok(target) => {
                 self.selected = target;
                 self.changed();
@@ -202,6 +213,8 @@ impl Session {
     pub(crate) fn undo(&mut self) {
         if self.document.undo() {
             self.selected = None;
+            // What is painted after this is a step of its own.
+            self.tools.paints = None;
             self.changed();
         }
     }

@@ -104,6 +104,8 @@ pub(crate) struct Painting {
     pub(crate) adds: bool,
     /// Where the pointer was last.
     pub(crate) at: DVec2,
+    /// Whether a cell was changed. All that follow are undone with it.
+    pub(crate) has_changed: bool,
 }
 
 /// The current tool, and the settings of all tools.

@@ -62,7 +62,7 @@ pub enum DocumentError {
     OtherDocument,
 }
 
-/// A plan or any other world that is being edited, with a single list of changes to undo.
+/// A plan or any other world that is being edited, with a single list of steps to undo.
 ///
 /// ```
 /// use envgen::edit::{Document, Target};
@@ -94,6 +94,9 @@ pub struct Document {
     made: usize,
     /// The number of changes at which the document was saved; `None` if that state cannot be reached any more.
     saved: Option<usize>,
+    /// Number of changes of each step that can be undone, and of each that can be repeated.
+    done: Vec<usize>,
+    undone: Vec<usize>,
 }
 
 #[derive(Clone, Debug)]
@@ -134,7 +137,8 @@ impl Document {
         let world = Arc::new(editor.world());
         let promised = world.certificate.clone();
         let measured = world.provenance.measured.clone();
-        Document { editor, world, promised, measured, made: 0, saved: Some(0) }
+        let (done, undone) = (Vec::new(), Vec::new());
+        Document { editor, world, promised, measured, made: 0, saved: Some(0), done, undone }
     }
 
     /// Returns the current world.
@@ -320,6 +324,39 @@ impl Document {
     /// # Errors
     /// When the plan or world refuses the change. Then nothing changes.
     pub fn apply(&mut self, change: Change) -> Result<Option<Target>, DocumentError> {
+        let target = self.make(change)?;
+        self.done.push(1);
+        Ok(target)
+    }
+
+    /// Makes a change as a part of the last step: undo and redo treat them as one. Without a step, it is one.
+    ///
+    /// ```
+    /// use envgen::edit::Document;
+    /// use envgen::indoor::{Edit, IndoorSpec};
+    /// use envgen::{Seed, Spec};
+    ///
+    /// let spec = IndoorSpec { width: 8, height: 8, ..Default::default() };
+    /// let mut document = Document::from_plan(spec.generate(Seed(5))?);
+    /// document.apply(Edit::RemoveRoom { room: 0 }.into())?;
+    /// document.extend(Edit::RemoveRoom { room: 0 }.into())?;
+    /// assert!(document.undo());
+    /// assert!(!document.is_changed());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Document::apply`].
+    pub fn extend(&mut self, change: Change) -> Result<Option<Target>, DocumentError> {
+        let target = self.make(change)?;
+        match self.done.last_mut() {
+            Some(changes) => *changes += 1,
+            None => self.done.push(1),
+        }
+        Ok(target)
+    }
+
+    fn make(&mut self, change: Change) -> Result<Option<Target>, DocumentError> {
         let target = match (&mut self.editor, change) {
             (Editor::Plan(editor), Change::Plan(edit)) => {
                 let named = named_after(&edit, editor.plan());
@@ -342,50 +379,49 @@ impl Document {
         // What was undone and saved is gone.
         self.saved = self.saved.filter(|saved| *saved <= self.made);
         self.made += 1;
+        self.undone.clear();
         self.refresh();
         Ok(target)
     }
 
-    /// Undoes the last change; returns whether there was one.
+    /// Undoes the last step; returns whether there was one.
     pub fn undo(&mut self) -> bool {
-        let is_undone = match &mut self.editor {
-            Editor::Plan(editor) => editor.undo(),
-            Editor::World(editor) => editor.undo(),
-        };
-        if is_undone {
-            self.made -= 1;
-            self.refresh();
+        let Some(changes) = self.done.pop() else { return false };
+        for _ in 0..changes {
+            match &mut self.editor {
+                Editor::Plan(editor) => editor.undo(),
+                Editor::World(editor) => editor.undo(),
+            };
         }
-        is_undone
+        self.undone.push(changes);
+        self.made -= changes;
+        self.refresh();
+        true
     }
 
-    /// Repeats the change that was undone last; returns whether there was one.
+    /// Repeats the step that was undone last; returns whether there was one.
     pub fn redo(&mut self) -> bool {
-        let is_redone = match &mut self.editor {
-            Editor::Plan(editor) => editor.redo(),
-            Editor::World(editor) => editor.redo(),
-        };
-        if is_redone {
-            self.made += 1;
-            self.refresh();
+        let Some(changes) = self.undone.pop() else { return false };
+        for _ in 0..changes {
+            match &mut self.editor {
+                Editor::Plan(editor) => editor.redo(),
+                Editor::World(editor) => editor.redo(),
+            };
         }
-        is_redone
+        self.done.push(changes);
+        self.made += changes;
+        self.refresh();
+        true
     }
 
-    /// Returns whether there is a change to undo.
+    /// Returns whether there is a step to undo.
     pub fn can_undo(&self) -> bool {
-        match &self.editor {
-            Editor::Plan(editor) => editor.can_undo(),
-            Editor::World(editor) => editor.can_undo(),
-        }
+        !self.done.is_empty()
     }
 
-    /// Returns whether there is a change to redo.
+    /// Returns whether there is a step to redo.
     pub fn can_redo(&self) -> bool {
-        match &self.editor {
-            Editor::Plan(editor) => editor.can_redo(),
-            Editor::World(editor) => editor.can_redo(),
-        }
+        !self.undone.is_empty()
     }
 
     /// Returns whether the document differs from what was opened or last saved.

@@ -105,6 +105,32 @@ fn changes_since_the_last_save_are_known() {
 }
 
 #[test]
+fn changes_of_one_step_are_undone_and_repeated_together() {
+    let mut document = plan(1);
+    let before = document.world().clone();
+    let remove = || Change::from(crate::indoor::Edit::RemoveRoom { room: 0 });
+    // Without a step, a part is a step.
+    document.extend(remove()).unwrap();
+    let first = document.world().clone();
+    document.apply(remove()).unwrap();
+    document.extend(remove()).unwrap();
+    document.mark_saved();
+    let second = document.world().clone();
+    assert!(document.undo() && document.is_changed());
+    assert_eq!(*document.world(), first);
+    assert!(document.redo() && !document.is_changed() && !document.can_redo());
+    assert_eq!(*document.world(), second);
+    assert!(document.undo() && document.undo() && !document.can_undo());
+    assert_eq!(*document.world(), before);
+    // What is refused adds nothing, and a new change ends what can be repeated.
+    let refused = Change::from(crate::indoor::Edit::RemoveRoom { room: 999 });
+    assert!(document.extend(refused).is_err() && document.can_redo() && !document.can_undo());
+    document.extend(remove()).unwrap();
+    assert!(!document.can_redo() && !document.redo());
+    assert_eq!(*document.world(), first);
+}
+
+#[test]
 fn a_moved_room_keeps_its_selection() {
     let mut document = plan(2);
     let cell = document.plan().unwrap().spec().cell_size;
