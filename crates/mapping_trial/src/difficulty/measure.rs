@@ -141,9 +141,9 @@ pub struct Measuring<'a> {
 
 impl<'a> Measuring<'a> {
     /// Begins a measurement. The trials draw their noise from `noise` and the seeds after it, each from
-    /// a seed of its own. Where more of the walls lie on borders of score cells than would lie there half
-    /// a cell farther, the trials run in the world that is moved so: a world is then as difficult at one
-    /// place as at another.
+    /// a seed of its own. Where more of the walls of a world that was not generated lie on borders of
+    /// score cells than would lie there half a cell farther, the trials run in the world that is moved
+    /// so: such a world is as difficult at one place as at another.
     pub fn new(world: &World, panel: &'a Panel, noise: Seed) -> Self {
         let world = placed(world);
         let source = LogWorld::Given(Box::new(world.clone().into_owned()));

@@ -1,14 +1,15 @@
 //! Moves a world by half a score cell where that is better for its walls.
 //!
 //! Where the surface of a wall lies on a border of score cells, its echoes fall on either side, and the cells beside
-//! it hardly become free: the same world would be more difficult at one place than at another. Walls of generated
-//! indoor maps lie in the middle of cells.
+//! it hardly become free: the same world would be more difficult at one place than at another. Generated worlds are
+//! measured where they are, as are the anchors and the worlds of atlases; walls of most generated indoor maps lie in the
+//! middle of cells.
 
 use std::borrow::Cow;
 
-use envgen::World;
 use envgen::geometry::{Shape, edges};
 use envgen::glam::DVec2;
+use envgen::{World, WorldKind};
 
 use crate::mappable_area::SCORE_CELL;
 
@@ -18,14 +19,18 @@ const NEAR: f64 = 0.125;
 /// How parallel to an axis an edge is, as the greatest slope.
 const PARALLEL: f64 = 1e-3;
 
-/// Returns the world, moved along each axis by nothing or by half a score cell, so that the lesser length of walls
-/// lies on borders of cells. Roads and landscapes stay where they are.
+/// Returns a world of another tool, or one that was edited, moved along each axis by nothing or by half a score cell, so
+/// that the lesser length of walls lies on borders of cells. Roads and landscapes stay where they are.
 pub(super) fn placed(world: &World) -> Cow<'_, World> {
-    let by = best_move(world);
-    if by == DVec2::ZERO || !world.road_strips.is_empty() || world.raster.is_some() {
+    let made = world.provenance.original();
+    let is_generated = made.kind.parse::<WorldKind>().is_ok() && !made.edited;
+    if is_generated || !world.road_strips.is_empty() || world.raster.is_some() {
         return Cow::Borrowed(world);
     }
-    Cow::Owned(moved(world, by))
+    match best_move(world) {
+        DVec2::ZERO => Cow::Borrowed(world),
+        by => Cow::Owned(moved(world, by)),
+    }
 }
 
 fn best_move(world: &World) -> DVec2 {
@@ -125,17 +130,22 @@ mod tests {
     }
 
     #[test]
-    fn generated_maps_stay_where_they_are() {
+    fn generated_worlds_stay_where_they_are_until_they_are_edited() {
         for seed in 0..30 {
             let base = IndoorSpec { width: 8, height: 8, ..Default::default() };
             for spec in [base.draw_levers(Seed(seed)), base] {
-                let world = spec.generate(Seed(seed)).expect("a plan").to_world();
+                let mut world = spec.generate(Seed(seed)).expect("a plan").to_world();
+                assert!(matches!(placed(&world), Cow::Borrowed(_)), "seed {seed}");
+                // Also edited ones: their walls lie in the middle of cells.
+                world.provenance.edited = true;
                 assert!(matches!(placed(&world), Cow::Borrowed(_)), "seed {seed}");
             }
         }
-        // The paper's hallways are 2 m wide.
+        // Walls of hallways that are 2 m wide lie on borders.
         let hall = HallwaySpec { segments: 5, width: 2.0, ..Default::default() };
-        let world = hall.generate(Seed(1)).expect("a hallway").to_world();
+        let mut world = hall.generate(Seed(1)).expect("a hallway").to_world();
+        assert!(matches!(placed(&world), Cow::Borrowed(_)));
+        world.provenance.edited = true;
         assert!(matches!(placed(&world), Cow::Owned(_)));
     }
 }
