@@ -456,6 +456,7 @@ fn as_ron(value: &impl serde::Serialize) -> Option<Vec<u8>> {
 pub fn difficulty_ron() -> Corpus {
     let (panel, anchors) = (Panel::reference(), Anchors::first());
     let designs = WorldKind::ALL.iter().filter_map(|&kind| AtlasDesign::of(kind));
+    let designs = designs.chain([AtlasDesign::indoor_small()]);
     let designs = designs.map(|design| as_ron(&design));
     let others = [as_ron(&panel), as_ron(&anchors), as_ron(&LeverDesign::first())];
     designs.chain(others).flatten().collect()

@@ -108,6 +108,12 @@ impl AtlasDesign {
         Ok(ron_options().from_str(text).map_err(Box::new)?)
     }
 
+    /// Returns the version of the calibration that is fitted to this atlas. It rises when inputs, coefficients or
+    /// atlases change. The calibration of small indoor maps has a version of its own.
+    pub fn version(&self) -> u32 {
+        if *self == Self::indoor_small() { 3 } else { 2 }
+    }
+
     /// Returns the kind of its worlds.
     pub fn kind(&self) -> WorldKind {
         match self {

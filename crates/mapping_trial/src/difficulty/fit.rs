@@ -7,10 +7,6 @@ use thiserror::Error;
 
 use super::ridge;
 
-/// Version of the calibrations that this crate fits. It rises when inputs, coefficients or atlases
-/// change.
-const CALIBRATION_VERSION: u32 = 3;
-
 /// Least standard deviation of an input in the atlas. Inputs that vary less are left out.
 const LEAST_DEVIATION: f64 = 1e-6;
 
@@ -56,12 +52,14 @@ pub const LEAST_SAMPLES: usize = ridge::FOLDS;
 #[error("expected at least {LEAST_SAMPLES} worlds whose trials are all finished, got {0}")]
 pub struct TooFewSamples(pub usize);
 
-/// Fits all models to the samples of an atlas of worlds of one kind.
+/// Fits all models to the samples of an atlas of worlds of one kind. The version is to be another one than that of any
+/// calibration that predicts other values: see [`AtlasDesign::version`](super::AtlasDesign::version).
 ///
 /// # Errors
 ///
 /// If there are fewer than [`LEAST_SAMPLES`].
 pub fn calibrate(
+    version: u32,
     kind: WorldKind,
     atlas: Atlas,
     scale: Scale,
@@ -81,7 +79,7 @@ pub fn calibrate(
     let dials: Vec<Dials<f64>> = samples.iter().map(|sample| sample.dials).collect();
     let atlas = Atlas { worlds: samples.len() as u32, dials: sorted(&dials), ..atlas };
     Ok(Calibration {
-        version: CALIBRATION_VERSION,
+        version,
         kind: kind.name().to_owned(),
         atlas,
         scale,
@@ -237,9 +235,9 @@ mod tests {
         };
         let samples = samples();
         let few = &samples[..LEAST_SAMPLES - 1];
-        let error = calibrate(WorldKind::Indoor, atlas.clone(), scale.clone(), few).unwrap_err();
+        let error = calibrate(4, WorldKind::Indoor, atlas.clone(), scale.clone(), few).unwrap_err();
         assert_eq!(error, TooFewSamples(9));
-        let calibration = calibrate(WorldKind::Indoor, atlas, scale, &samples).unwrap();
+        let calibration = calibrate(4, WorldKind::Indoor, atlas, scale, &samples).unwrap();
         let explained = calibration.world.models.as_ref().map(|model| model.explained);
         assert!(explained.mapping > 0.95, "{explained:?}");
         // The widths of doorways are settings.

@@ -16,7 +16,7 @@ use crate::survey;
 /// The atlas's design.
 #[derive(Args)]
 pub(crate) struct DesignOptions {
-    /// The kind of worlds, each of which has a built-in atlas. `indoor-small` are indoor maps of less than 486 m^2.
+    /// The kind of worlds, each of which has a built-in atlas. `indoor-small` are indoor maps of 144 to 486 m^2.
     #[arg(long, value_enum, default_value_t = AtlasKind::Indoor)]
     kind: AtlasKind,
 

@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         // The fit adds them.
         dials: Dials::default(),
     };
-    let calibration = calibrate(design.kind(), atlas, scale, &samples)?;
+    let calibration = calibrate(design.version(), design.kind(), atlas, scale, &samples)?;
     spinner.finish_and_clear();
     let mut json = serde_json::to_vec_pretty(&calibration)?;
     json.push(b'\n');
