@@ -36,7 +36,7 @@ const LEAST_PRECISION: f64 = 0.5;
 /// Greatest fraction of the true path for which an estimate may be missing without a warning.
 const MOST_MISSING: f64 = 0.1;
 
-/// Greatest distance in metres on the true path between two poses of an estimate that does not count as missing.
+/// The distance in metres on the true path between two poses of an estimate that does not count as missing.
 const GAP: f64 = 1.0;
 
 #[derive(Args)]
@@ -226,28 +226,26 @@ fn ground_share(ros_map: &RosMap, scores: &MapScores) -> f64 {
     scores.coverage * scores.free_area / free_area.max(f64::MIN_POSITIVE)
 }
 
-/// The fraction of the true path's length that lies in gaps of an estimate.
+/// The fraction of the true path's length that lies in gaps of an estimate, each without its first metre.
 fn missing_share(estimated: &[TimedPose], truth: &[TimedPose]) -> f64 {
-    let mut times: Vec<f64> = estimated.iter().map(|pose| pose.time).collect();
-    times.sort_by(f64::total_cmp);
-    let mut next = times.into_iter().peekable();
-    let (mut whole, mut missing, mut since) = (0.0, 0.0, 0.0);
-    let mut last = truth.first();
-    for pose in truth {
-        let step = last.map_or(0.0, |last| pose.pose.position.distance(last.pose.position));
-        last = Some(pose);
-        whole += step;
-        since += step;
-        let mut is_seen = false;
-        while next.next_if(|time| *time <= pose.time).is_some() {
-            is_seen = true;
-        }
-        if is_seen {
-            missing += if since > GAP { since } else { 0.0 };
-            since = 0.0;
-        }
+    let mut driven = vec![0.0];
+    for pair in truth.windows(2) {
+        let step = pair[0].pose.position.distance(pair[1].pose.position);
+        driven.push(driven[driven.len() - 1] + step);
     }
-    missing += if since > GAP { since } else { 0.0 };
+    let whole = driven[driven.len() - 1];
+    let driven_at = |time: f64| {
+        let next = truth.partition_point(|pose| pose.time <= time);
+        if next == 0 || next == truth.len() {
+            return if next == 0 { 0.0 } else { whole };
+        }
+        let part = (time - truth[next - 1].time) / (truth[next].time - truth[next - 1].time);
+        driven[next - 1] + part * (driven[next] - driven[next - 1])
+    };
+    let mut seen: Vec<f64> = estimated.iter().map(|pose| driven_at(pose.time)).collect();
+    seen.extend([0.0, whole]);
+    seen.sort_by(f64::total_cmp);
+    let missing: f64 = seen.windows(2).map(|pair| (pair[1] - pair[0] - GAP).max(0.0)).sum();
     if whole > 0.0 { missing / whole } else { 0.0 }
 }
 
@@ -357,4 +355,34 @@ fn text(report: &Report) -> String {
         row(&mut text, "relative error, far", some(scores.relative_error_far), "over 20 m");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Poses on a straight path of 10 m at 1 m/s, one every `step` seconds up to `end`.
+    fn poses(step: f64, end: f64) -> Vec<TimedPose> {
+        let count = (end / step).round() as u32;
+        let times = (0..=count).map(|i| step * f64::from(i));
+        times.map(|time| TimedPose { time, pose: Pose::new(time, 0.0, 0.0) }).collect()
+    }
+
+    #[test]
+    fn what_an_estimate_lacks_is_a_part_of_the_path() {
+        for truth in [poses(0.05, 10.0), poses(2.0, 10.0), poses(10.0, 10.0)] {
+            for (estimate, expected) in [
+                (poses(0.05, 10.0), 0.0),
+                (poses(1.0, 10.0), 0.0),
+                // Of every 2 m, the second.
+                (poses(2.0, 10.0), 0.5),
+                (poses(0.05, 4.0), 0.5),
+                (poses(0.05, 0.05), 0.895),
+            ] {
+                let missing = missing_share(&estimate, &truth);
+                assert!((missing - expected).abs() < 1e-9, "{missing}, not {expected}");
+            }
+        }
+        assert_eq!(missing_share(&poses(1.0, 3.0), &poses(1.0, 0.0)), 0.0);
+    }
 }
