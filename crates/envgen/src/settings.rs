@@ -11,7 +11,7 @@ use std::fmt;
 
 use serde_json::Value;
 
-use self::text::{item, item_text, items, plain_text};
+use self::text::{item, item_text, items, number, plain_text};
 use crate::error::SpecError;
 
 /// One setting of a spec.
@@ -257,6 +257,12 @@ impl Setting {
             }
             Allowed::Other(_) => Ok(item(text)),
         }
+    }
+
+    /// Returns a list in which texts that look like numbers, such as `.5`, are numbers.
+    pub(crate) fn numbers(&self, list: &Value) -> Value {
+        let read = |item: &Value| item.as_str().and_then(number).unwrap_or_else(|| item.clone());
+        list.as_array().map_or_else(|| list.clone(), |items| items.iter().map(read).collect())
     }
 
     /// Returns the text that [`Setting::parse`] reads as the value.

@@ -343,8 +343,15 @@ impl WorldSpec {
         let setting = self.kind().setting(name)?;
         let mut settings = self.settings_json();
         settings[setting.name] = setting.parse(value)?;
-        let is_structured = settings[setting.name].is_array() || settings[setting.name].is_object();
-        *self = self.kind().spec_from_json(settings).map_err(|error| match setting.allowed {
+        let parsed = settings[setting.name].clone();
+        let is_structured = parsed.is_array() || parsed.is_object();
+        let read = self.kind().spec_from_json(settings.clone()).or_else(|error| {
+            // Names may look like numbers. Where they are none, they are numbers.
+            settings[setting.name] = setting.numbers(&parsed);
+            let is_list = matches!(setting.allowed, Allowed::List(_));
+            if is_list { self.kind().spec_from_json(settings) } else { Err(error) }
+        });
+        *self = read.map_err(|error| match setting.allowed {
             // What is wrong is a part of the value.
             Allowed::Other(_) if is_structured => {
                 setting.error_with(value, format!("{}: {error}", setting.allowed_text()))

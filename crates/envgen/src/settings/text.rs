@@ -22,13 +22,13 @@ pub(super) fn plain_text(value: &Value) -> String {
     }
 }
 
-/// Returns the value that a text represents: the value of its JSON, a number such as `.5` or `+1`, which JSON does not
-/// have, otherwise the text itself.
+/// Returns the value that a text represents: the value of its JSON, otherwise the text itself.
 pub(super) fn item(text: &str) -> Value {
-    serde_json::from_str(text).ok().or_else(|| number(text)).unwrap_or_else(|| text.into())
+    serde_json::from_str(text).unwrap_or_else(|_| text.into())
 }
 
-fn number(text: &str) -> Option<Value> {
+/// Returns the number that a text represents in a form that JSON does not have, such as `.5` or `+1`.
+pub(super) fn number(text: &str) -> Option<Value> {
     // Words such as `inf` are text.
     let is_number = text.ends_with(|c: char| c.is_ascii_digit() || c == '.');
     let whole = || text.parse::<u64>().ok().map(Value::from);
@@ -100,13 +100,14 @@ mod tests {
     #[test]
     fn numbers_are_those_of_other_settings() {
         let list = Setting::list("speeds", "", "numbers", "how fast");
-        let items = list.parse("1,.5,+1,1.,-.25,+2.5,007").expect("a list");
+        let items = list.numbers(&list.parse("1,.5,+1,1.,-.25,+2.5,007").expect("a list"));
         assert_eq!(items, serde_json::json!([1, 0.5, 1, 1.0, -0.25, 2.5, 7]));
         let words = ["inf", "NaN", "+", ".", "1e999", "++1", "+-1", "1.2.3"];
-        assert_eq!(list.parse(&words.join(",")).expect("a list"), serde_json::json!(words));
+        let items = list.numbers(&list.parse(&words.join(",")).expect("a list"));
+        assert_eq!(items, serde_json::json!(words));
         let speed = Setting::number("speed", "m/s", 0.0, 10.0, "how fast");
         for text in [".5", "+1", "1.", "007"] {
-            let one = list.parse(text).expect("a list");
+            let one = list.numbers(&list.parse(text).expect("a list"));
             assert_eq!(one[0].as_f64(), speed.parse(text).expect("a number").as_f64(), "{text}");
         }
     }
