@@ -260,7 +260,7 @@ impl Setting {
     }
 
     /// Returns a list in which texts that look like numbers, such as `.5`, are numbers.
-    pub(crate) fn numbers(&self, list: &Value) -> Value {
+    pub(crate) fn numbers(list: &Value) -> Value {
         let read = |item: &Value| item.as_str().and_then(number).unwrap_or_else(|| item.clone());
         list.as_array().map_or_else(|| list.clone(), |items| items.iter().map(read).collect())
     }

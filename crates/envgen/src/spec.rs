@@ -347,7 +347,7 @@ impl WorldSpec {
         let is_structured = parsed.is_array() || parsed.is_object();
         let read = self.kind().spec_from_json(settings.clone()).or_else(|error| {
             // Names may look like numbers. Where they are none, they are numbers.
-            settings[setting.name] = setting.numbers(&parsed);
+            settings[setting.name] = Setting::numbers(&parsed);
             let is_list = matches!(setting.allowed, Allowed::List(_));
             if is_list { self.kind().spec_from_json(settings) } else { Err(error) }
         });

@@ -116,6 +116,8 @@ impl Composition {
 ///
 /// // Four classes of the same size have ln 4 = 2 ln 2 nats; empty classes do not count.
 /// assert!((entropy_of(&[5, 5, 0, 5, 5]) - 2.0 * LN_2).abs() < 1e-12);
+/// // That of one class, or of none, is 0, never -0.
+/// assert_eq!([entropy_of(&[7]), entropy_of(&[])].map(f64::to_bits), [0, 0]);
 /// assert_eq!(entropy_of(&[20]), 0.0);
 /// ```
 pub fn entropy_of(counts: &[u32]) -> f64 {

@@ -1,6 +1,7 @@
 //! Tests of settings.
 
 use super::*;
+use crate::{WorldKind, WorldSpec};
 
 const WIDTH: Setting = Setting::number("width", "m", 0.5, 10.0, "how wide");
 
@@ -65,4 +66,30 @@ fn lists_split_at_commas() {
         assert_eq!(list.parse(text).unwrap(), serde_json::json!([]), "{text}");
     }
     assert_eq!(list.parse("[a").unwrap(), serde_json::json!(["[a"]));
+}
+
+#[test]
+fn items_are_numbers_only_where_they_are_no_names() {
+    let mut spec = WorldKind::Landscape.default_spec();
+    spec.set("entropy", "1").unwrap();
+    spec.set("classes", "3").unwrap();
+    spec.set("speeds", "1.,.5,+0").unwrap();
+    let WorldSpec::Landscape(landscape) = &spec else { panic!("{spec:?}") };
+    assert_eq!(landscape.speeds, [1.0, 0.5, 0.0]);
+    let mut indoor = WorldKind::Indoor.default_spec();
+    indoor.set("rooms", "+1,1.").unwrap();
+    let WorldSpec::Indoor(plan) = &indoor else { panic!("{indoor:?}") };
+    assert_eq!(plan.rooms, ["+1", "1."]);
+    assert!(indoor.set("rooms", "1").is_err());
+}
+
+#[test]
+fn what_is_wrong_in_a_structured_value_is_named() {
+    let error = |value: &str| {
+        WorldKind::Indoor.default_spec().set("catalogue", value).unwrap_err().to_string()
+    };
+    assert!(error("[]").contains("got []: the catalogue must have 1 to 10000 rooms"));
+    assert!(error(r#"[{"nme": "a"}]"#).contains("unknown field `nme`"));
+    let text = error("abc");
+    assert!(text.ends_with("got abc"), "{text}");
 }

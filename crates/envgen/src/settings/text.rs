@@ -100,14 +100,14 @@ mod tests {
     #[test]
     fn numbers_are_those_of_other_settings() {
         let list = Setting::list("speeds", "", "numbers", "how fast");
-        let items = list.numbers(&list.parse("1,.5,+1,1.,-.25,+2.5,007").expect("a list"));
+        let items = Setting::numbers(&list.parse("1,.5,+1,1.,-.25,+2.5,007").expect("a list"));
         assert_eq!(items, serde_json::json!([1, 0.5, 1, 1.0, -0.25, 2.5, 7]));
         let words = ["inf", "NaN", "+", ".", "1e999", "++1", "+-1", "1.2.3"];
-        let items = list.numbers(&list.parse(&words.join(",")).expect("a list"));
+        let items = Setting::numbers(&list.parse(&words.join(",")).expect("a list"));
         assert_eq!(items, serde_json::json!(words));
         let speed = Setting::number("speed", "m/s", 0.0, 10.0, "how fast");
         for text in [".5", "+1", "1.", "007"] {
-            let one = list.numbers(&list.parse(text).expect("a list"));
+            let one = Setting::numbers(&list.parse(text).expect("a list"));
             assert_eq!(one[0].as_f64(), speed.parse(text).expect("a number").as_f64(), "{text}");
         }
     }
