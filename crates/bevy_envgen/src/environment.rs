@@ -16,7 +16,8 @@ use thiserror::Error;
 /// The parts are spawned as descendants of the entity, so that its [`Transform`] moves and rotates them. Then
 /// [`EnvironmentReady`] or [`EnvironmentFailed`] is triggered on the entity and written as a message.
 /// Changing this component, or the asset that it refers to, rebuilds the world. The old world is kept until
-/// the new one is ready. Removing this component, or despawning the entity, removes everything.
+/// the new one is generated; the tiles of a streamed world are then spawned over several frames. Removing this
+/// component, or despawning the entity, removes everything.
 ///
 /// With the feature `serialize` a Bevy scene can hold this component. The scene need not hold the other
 /// components of the entity, or its tiles: they are rebuilt when the scene is spawned, and also when the
@@ -239,9 +240,11 @@ pub enum EnvironmentState {
     Waiting,
     /// The generator is running.
     Generating,
-    /// The first tiles around the anchor are being spawned.
+    /// The tiles around the anchor are being spawned: the first ones, or others after the anchor has moved to
+    /// where no tile is spawned yet.
     Streaming,
-    /// All parts are spawned, or in a streamed world all tiles around the anchor.
+    /// All parts are spawned. In a streamed world all tiles around the anchor were spawned, and the nearest one
+    /// still is; farther tiles follow the anchor.
     Ready,
     /// Generation failed; see [`EnvironmentFailure`]. The previous world, if any, is kept, except if the
     /// transform is not allowed ([`EnvironmentError::Transform`]).
@@ -267,8 +270,8 @@ pub struct EnvironmentReady {
 
 /// An event that is triggered on an environment, and written as a message, when its world cannot be made. The
 /// previous world, if any, is kept, except if the transform of the environment is not allowed
-/// ([`EnvironmentError::Transform`]): then there is no world until it is. The error is also stored on the
-/// entity; see [`EnvironmentFailure`].
+/// ([`EnvironmentError::Transform`]): then there is no world until it is, and then the one that the component
+/// requests at that time. The error is also stored on the entity; see [`EnvironmentFailure`].
 #[derive(EntityEvent, Message, Clone, Debug)]
 pub struct EnvironmentFailed {
     /// The environment.

@@ -127,6 +127,8 @@ pub(crate) struct Streaming {
     /// The tiles of an endless forest that are generated or being generated, but not completely spawned.
     drawn: Vec<(TileKey, Drawing)>,
     settled: bool,
+    /// Whether the tile nearest to the anchor has been missing since the world was settled.
+    lost: bool,
     /// The bits of the last rejected radius.
     refused: Option<u64>,
     /// Whether a missing anchor has been reported.
@@ -141,8 +143,8 @@ enum Drawing {
 impl Streaming {
     pub(crate) fn new(made: Generated, layout: TileLayout, request: u64) -> Self {
         let (complete, drawn) = (BTreeSet::new(), Vec::new());
-        let (settled, refused, warned) = (false, None, false);
-        Streaming { made, layout, request, complete, drawn, settled, refused, warned }
+        let (settled, lost, refused, warned) = (false, false, None, false);
+        Streaming { made, layout, request, complete, drawn, settled, lost, refused, warned }
     }
 
     /// Waits for the running tasks, and returns whether there were any.
@@ -325,31 +327,49 @@ impl TileStreamer<'_> {
         match wanted {
             Ok(mut wanted) => {
                 let is_current = self.is_current();
-                if self.streaming.refused.take().is_some()
-                    && is_current
-                    && let Ok(mut root) = self.world.get_entity_mut(self.root)
-                {
-                    root.insert(EnvironmentState::Streaming);
+                if self.streaming.refused.take().is_some() && is_current {
+                    self.set_state(EnvironmentState::Streaming);
                 }
                 wanted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 let waiting = self.settle(&wanted);
                 self.report.waiting += waiting;
                 // A world that is about to be replaced by another request is not reported.
-                if waiting == 0
-                    && is_current
-                    && !std::mem::replace(&mut self.streaming.settled, true)
-                {
-                    self.world.get_resource_or_init::<PendingEvents>().push(self.root, Ok(()));
+                if is_current {
+                    self.report(waiting, &wanted);
                 }
             }
             Err(error) => {
                 // An error is reported once per radius, not in every frame.
                 let radius = stream.radius.to_bits();
                 if self.streaming.refused.replace(radius) != Some(radius) {
-                    self.streaming.settled = false;
+                    (self.streaming.settled, self.streaming.lost) = (false, false);
                     self.world.get_resource_or_init::<PendingEvents>().push(self.root, Err(error));
                 }
             }
+        }
+    }
+
+    /// Updates the state of the environment, and reports a world that is settled for the first time.
+    fn report(&mut self, waiting: usize, wanted: &[(f64, TileKey)]) {
+        let Streaming { settled, lost, complete, .. } = &mut self.streaming;
+        if waiting == 0 {
+            if !std::mem::replace(settled, true) {
+                self.world.get_resource_or_init::<PendingEvents>().push(self.root, Ok(()));
+            } else if std::mem::take(lost) {
+                self.set_state(EnvironmentState::Ready);
+            }
+            return;
+        }
+        let nearest_is_missing = wanted.first().is_some_and(|(_, key)| !complete.contains(key));
+        if *settled && nearest_is_missing && !std::mem::replace(lost, true) {
+            self.set_state(EnvironmentState::Streaming);
+        }
+    }
+
+    /// Sets the state of the environment, if it still exists.
+    fn set_state(&mut self, state: EnvironmentState) {
+        if let Ok(mut root) = self.world.get_entity_mut(self.root) {
+            root.insert(state);
         }
     }
 

@@ -13,6 +13,7 @@ mod height;
 mod moving;
 mod settings;
 mod setup;
+mod turned;
 
 use bevy::ecs::message::MessageRegistry;
 use bevy::prelude::*;

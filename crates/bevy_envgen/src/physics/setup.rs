@@ -3,14 +3,16 @@
 use std::fmt::Display;
 
 use bevy::prelude::*;
+use bevy_rapier2d::plugin::systems::writeback_rigid_bodies;
 use bevy_rapier2d::prelude::{
-    CollisionEvent, ContactForceEvent, MassModifiedMessage, RapierConfiguration,
+    CollisionEvent, ContactForceEvent, MassModifiedMessage, PhysicsSet, RapierConfiguration,
     RapierContextInitialization, RapierPhysicsPlugin, TimestepMode,
 };
 use bevy_rapier2d::rapier::dynamics::IntegrationParameters;
 use envgen::SpecError;
 
 use super::HeightHooks;
+use super::turned::place_below_turned;
 
 /// Adds rapier for worlds that are seen from above: without gravity, in metres, and with steps of a fixed
 /// length in `FixedUpdate`. Contacts are filtered by [`HeightHooks`].
@@ -95,6 +97,10 @@ impl Plugin for TopDownPhysicsPlugin {
                         },
                     )
                     .in_fixed_schedule(),
+            )
+            .add_systems(
+                FixedUpdate,
+                place_below_turned.in_set(PhysicsSet::Writeback).after(writeback_rigid_bodies),
             );
     }
 }

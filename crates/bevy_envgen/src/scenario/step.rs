@@ -104,14 +104,12 @@ pub(super) fn place_leaves(
         let frame = LocalFrame::new(run.origin);
         for (index, (known, now)) in run.doors.iter().zip(run.state.doors()).enumerate() {
             let Ok(mut door) = doors.get_mut(known.door) else { continue };
-            let change = if now.stopped > door.stopped {
-                Some(DoorChange::Blocked)
-            } else if now.is_still() && now.openness != door.openness {
-                Some(if now.opens { DoorChange::Opened } else { DoorChange::Closed })
-            } else {
-                None
-            };
-            if let Some(change) = change {
+            // A long step may block a door and open it again.
+            let blocked = (now.stopped > door.stopped).then_some(DoorChange::Blocked);
+            let end = if now.opens { DoorChange::Opened } else { DoorChange::Closed };
+            let moved = now.openness != door.openness || blocked.is_some();
+            let ended = (now.is_still() && moved).then_some(end);
+            for change in blocked.into_iter().chain(ended) {
                 let event = DoorChanged { entity: known.door, change };
                 changed.write(event);
                 commands.trigger(event);

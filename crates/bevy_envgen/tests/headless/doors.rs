@@ -1,7 +1,10 @@
 //! Doors of scenarios follow commands, stop at agents and push other bodies.
 
+use std::time::Duration;
+
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
 use bevy_envgen::bevy_rapier2d::prelude::*;
 use bevy_envgen::envgen::indoor::IndoorSpec;
 use bevy_envgen::prelude::*;
@@ -127,6 +130,26 @@ fn a_leaf_stops_at_an_agent_and_pushes_other_bodies() {
         let moved = app.world().get::<Transform>(ball).unwrap().translation;
         assert!(moved.distance(at + aside) > 0.1, "{kind:?}: {moved}");
     }
+}
+
+#[test]
+fn a_door_that_is_blocked_and_open_again_within_a_step_reports_both() {
+    let (mut app, root, door) = building(DoorKinds::Hinged);
+    app.init_resource::<Heard>();
+    app.add_observer(|changed: On<DoorChanged>, mut heard: ResMut<Heard>| {
+        heard.0.push((changed.entity, changed.change));
+    });
+    let (middle, ..) = passage(&app, root, app.world().get::<Door>(door).unwrap().doorway());
+    let at = Transform::from_translation(middle.extend(0.0));
+    app.world_mut().spawn((at, ScenarioAgent::new(0.2)));
+    let long = Duration::from_secs(4);
+    app.world_mut().resource_mut::<Time<Virtual>>().set_max_delta(long);
+    app.insert_resource(Time::<Fixed>::from_duration(long));
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(long));
+    app.world_mut().get_mut::<Door>(door).unwrap().close();
+    step(&mut app, 3);
+    let heard: Vec<_> = app.world().resource::<Heard>().0.clone();
+    assert_eq!(heard, [DoorChange::Blocked, DoorChange::Opened].map(|change| (door, change)));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Rapier and the crate `envgen` agree on the world.
 
+use std::f32::consts::{FRAC_PI_2, PI};
+
 use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_envgen::bevy_rapier2d::prelude::*;
@@ -155,6 +157,31 @@ fn rays_agree_in_an_environment_that_was_moved_and_turned() {
             let exact = caster.cast(ray.0, ray.1, RANGE);
             assert!(agrees(&caster, ray, range).1, "{spec:?}: {ray:?} {range} m, {exact:?}");
         }
+    }
+}
+
+#[test]
+fn bodies_below_a_turned_entity_are_where_rapier_moves_them() {
+    for (turn, scale) in [(0.0, 1.0), (0.8, 1.0), (FRAC_PI_2, 1.0), (PI, 1.0), (-2.0, 2.0)] {
+        let mut app = test_app();
+        let above = Transform::from_xyz(40.0, -25.0, 0.0)
+            .with_rotation(Quat::from_rotation_z(turn))
+            .with_scale(Vec3::new(scale, scale, 1.0));
+        let root = app.world_mut().spawn(above).id();
+        let body = (RigidBody::Dynamic, Collider::ball(0.2), Velocity::linear(Vec2::X));
+        let body = (body, Transform::from_xyz(2.0, 3.0, 0.5), ChildOf(root));
+        let body = app.world_mut().spawn(body).id();
+        let global = |app: &App| app.world().get::<GlobalTransform>(body).unwrap().translation();
+        let start = above.transform_point(Vec3::new(2.0, 3.0, 0.5));
+        step(&mut app, 65);
+        let driven = global(&app) - start;
+        assert!(driven.distance(Vec3::X) < 0.03, "{turn}: {driven}");
+        // If the parent moves, its children do.
+        let before = global(&app);
+        app.world_mut().get_mut::<Transform>(root).unwrap().translation.y += 1.0;
+        step(&mut app, 2);
+        let moved = global(&app) - before;
+        assert!(moved.distance(Vec3::new(0.0, 1.0, 0.0)) < 0.05, "{turn}: {moved}");
     }
 }
 

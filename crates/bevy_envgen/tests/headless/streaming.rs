@@ -48,6 +48,28 @@ fn travel(app: &mut App, anchor: Entity, path: &[Vec2]) {
 }
 
 #[test]
+fn a_world_is_ready_only_where_its_anchor_is() {
+    let mut app = test_app();
+    app.insert_resource(StreamingBudget::Parts(1));
+    let environment = endless(0.0).with_pace(GenerationMode::Blocking);
+    let (root, anchor) = streamed(&mut app, environment, Vec2::ZERO, 40.0);
+    wait_until_ready(&mut app, root).unwrap();
+    app.world_mut().entity_mut(root).observe(|_: On<EnvironmentReady>| panic!("ready again"));
+    let state = |app: &App| *app.world().get::<EnvironmentState>(root).unwrap();
+    // A neighbouring tile is missing, but not the nearest.
+    travel(&mut app, anchor, &[]);
+    app.world_mut().get_mut::<Transform>(anchor).unwrap().translation.x = 5.0;
+    step(&mut app, 1);
+    assert!(app.world().resource::<StreamingReport>().waiting > 0);
+    assert_eq!(state(&app), EnvironmentState::Ready);
+    app.world_mut().get_mut::<Transform>(anchor).unwrap().translation.x = 1000.0;
+    step(&mut app, 1);
+    assert_eq!(state(&app), EnvironmentState::Streaming);
+    settle(&mut app);
+    assert_eq!(state(&app), EnvironmentState::Ready);
+}
+
+#[test]
 fn an_endless_forest_is_spawned_around_its_anchor() {
     for (min_distance, pace) in
         [(0.0, GenerationMode::Blocking), (1.5, GenerationMode::Auto), (1.5, GenerationMode::Async)]

@@ -150,6 +150,9 @@ pub enum CameraError {
     /// The world is endless.
     #[error("a camera needs a finite world, but this one is endless")]
     Endless,
+    /// The entity that draws the colours was despawned.
+    #[error("the camera entity below the robot was despawned; insert `RobotCamera` again")]
+    NoEye,
     /// The world has too many triangles.
     #[error("the world has {found} triangles, but a camera can see at most {limit}")]
     TooManyTriangles {

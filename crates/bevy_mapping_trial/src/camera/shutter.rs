@@ -244,7 +244,13 @@ pub(super) fn shoot(
         if !wheels.is_placed() {
             continue;
         }
-        let picture = match site.take(robot, camera, pose, parent, &mut shutter) {
+        let eye = view.and_then(|view| Some((view, eyes.get_mut(view.camera).ok()?)));
+        let picture = site.take(robot, camera, pose, parent, &mut shutter);
+        let picture = match picture {
+            Ok(Some(_)) if camera.images.color && eye.is_none() => Err(CameraError::NoEye),
+            _ => picture,
+        };
+        let picture = match picture {
             Ok(Some(picture)) => picture,
             Ok(None) => continue,
             Err(error) => {
@@ -254,7 +260,7 @@ pub(super) fn shoot(
                 continue;
             }
         };
-        match view.and_then(|view| Some((view, eyes.get_mut(view.camera).ok()?))) {
+        match eye {
             Some((view, mut eye)) => {
                 eye.is_active = true;
                 let (drawn_in, due) = (drawn.current(), shutter.last);

@@ -17,7 +17,8 @@ use mapping_trial::backend::Command;
 use mapping_trial::odometry::{Increment, Odometry, OdometryProfile, WheelSensor};
 use mapping_trial::robot::{Footprint, Robot};
 
-/// A component that makes its entity a robot with these properties. The default is the Pioneer 3-AT.
+/// A component that makes its entity a robot with these properties. The default is the Pioneer 3-AT. To
+/// change the properties, insert another.
 ///
 /// Inserting it adds a dynamic body, a collider with the footprint of the model, its [`Chassis`], its
 /// [`Battery`], its [`HeightRange`], and a [`ScenarioAgent`], which people avoid and doors open for. Components
@@ -27,7 +28,8 @@ use mapping_trial::robot::{Footprint, Robot};
 /// removed, the components that the model added are removed.
 ///
 /// A robot is a body of rapier's default context. Robots in other contexts neither drive nor sense.
-#[derive(Component, Clone, Debug, Default, PartialEq, Deref, DerefMut, Reflect)]
+#[derive(Component, Clone, Debug, Default, PartialEq, Deref, Reflect)]
+#[component(immutable)]
 #[reflect(opaque)]
 #[reflect(Component, Default, Debug, PartialEq, Clone)]
 #[cfg_attr(feature = "serialize", derive(serde::Serialize, serde::Deserialize))]

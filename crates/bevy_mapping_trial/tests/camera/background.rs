@@ -15,13 +15,18 @@ use bevy::window::{ExitCondition, WindowPlugin};
 use bevy_envgen::physics::TopDownPhysicsPlugin;
 use bevy_envgen::prelude::*;
 use bevy_mapping_trial::camera::{
-    CameraFrame, CameraFrameTaken, CameraImages, RobotCamera, RobotCameraPlugin,
+    CameraError, CameraFailed, CameraFrame, CameraFrameTaken, CameraImages, RobotCamera,
+    RobotCameraPlugin, RobotCameraView,
 };
 use bevy_mapping_trial::prelude::*;
 
 /// A resource with the pictures that were taken.
 #[derive(Resource, Default)]
 struct Taken(Vec<Arc<CameraFrame>>);
+
+/// A resource with the errors that were reported.
+#[derive(Resource, Default)]
+struct Failures(Vec<CameraError>);
 
 fn app() -> App {
     let mut app = App::new();
@@ -95,4 +100,28 @@ fn the_first_picture_lacks_nothing() {
     let colors = taken[0].color.as_deref().unwrap();
     let tones: std::collections::BTreeSet<_> = colors.iter().collect();
     assert!(tones.len() > 20, "{} tones", tones.len());
+}
+
+#[test]
+fn no_picture_lacks_its_colours_without_an_error() {
+    let mut app = app();
+    app.init_resource::<Failures>();
+    app.add_observer(|failed: On<CameraFailed>, mut all: ResMut<Failures>| {
+        all.0.push(failed.error.clone());
+    });
+    let environment = Environment::new(HallwaySpec::default(), 4);
+    let environment = environment.with_pace(GenerationMode::Blocking);
+    let environment = app.world_mut().spawn(environment).id();
+    let images = CameraImages { color: true, depth: true, labels: false };
+    let camera = RobotCamera { images, width: 40, height: 30, rate: 20.0, ..default() };
+    let robot = (RobotModel::default(), camera, ChildOf(environment));
+    let robot = app.world_mut().spawn(robot).id();
+    app.update();
+    let eye = app.world().get::<RobotCameraView>(robot).unwrap().camera;
+    app.world_mut().despawn(eye);
+    for _ in 0..10 {
+        app.update();
+    }
+    assert_eq!(app.world().resource::<Failures>().0, [CameraError::NoEye]);
+    assert!(app.world().resource::<Taken>().0.iter().all(|frame| frame.color.is_some()));
 }

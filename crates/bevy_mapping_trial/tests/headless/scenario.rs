@@ -92,6 +92,28 @@ fn digest<B: RobotBackend>(trial: &Trial<B>) -> String {
 }
 
 #[test]
+fn robots_are_met_where_they_are_in_a_turned_environment() {
+    let mut app = app();
+    let environment = Environment::prebuilt(hall()).with_pace(GenerationMode::Blocking);
+    let turned = Transform::from_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+    let trial = MappingTrial::new(TrialSettings { policy: None, ..settings(600.0) });
+    let manual = ManualControl { commands: vec![Command { speed: 0.5, turn_rate: 0.0 }] };
+    let root = app.world_mut().spawn((environment, turned, trial, manual)).id();
+    step(&mut app, 40);
+    let robot = app.world().get::<MappingTrial>(root).unwrap().robots()[0];
+    let truth = |app: &App| app.world().get::<TruePose>(robot).unwrap().position.as_vec2();
+    let place = app.world().get::<Transform>(robot).unwrap().translation;
+    let shown = turned.transform_point(place).truncate();
+    assert!(shown.distance(truth(&app)) < 1e-3, "{shown}, {}", truth(&app));
+    // The robot starts at (2, 2), which is turned to (-2, 2), and drives along y.
+    assert!((truth(&app).x + 2.0).abs() < 1e-3 && truth(&app).y > 2.3, "{}", truth(&app));
+    let before = truth(&app);
+    app.world_mut().get_mut::<Transform>(root).unwrap().translation.x += 1e-3;
+    step(&mut app, 2);
+    assert!(truth(&app).distance(before) < 0.1, "{}, {before}", truth(&app));
+}
+
+#[test]
 fn a_trial_continues_when_the_ticks_of_bevy_are_old() {
     let world = hall();
     let mut app = app();
