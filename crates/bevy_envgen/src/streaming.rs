@@ -352,17 +352,16 @@ impl TileStreamer<'_> {
     /// Updates the state of the environment, and reports a world that is settled for the first time.
     fn report(&mut self, waiting: usize, wanted: &[(f64, TileKey)]) {
         let Streaming { settled, lost, complete, .. } = &mut self.streaming;
-        if waiting == 0 {
-            if !std::mem::replace(settled, true) {
-                self.world.get_resource_or_init::<PendingEvents>().push(self.root, Ok(()));
-            } else if std::mem::take(lost) {
-                self.set_state(EnvironmentState::Ready);
-            }
-            return;
+        if waiting == 0 && !std::mem::replace(settled, true) {
+            self.world.get_resource_or_init::<PendingEvents>().push(self.root, Ok(()));
         }
-        let nearest_is_missing = wanted.first().is_some_and(|(_, key)| !complete.contains(key));
-        if *settled && nearest_is_missing && !std::mem::replace(lost, true) {
-            self.set_state(EnvironmentState::Streaming);
+        let is_missing = wanted.first().is_some_and(|(_, key)| !complete.contains(key));
+        if *settled && std::mem::replace(lost, is_missing) != is_missing {
+            self.set_state(if is_missing {
+                EnvironmentState::Streaming
+            } else {
+                EnvironmentState::Ready
+            });
         }
     }
 

@@ -5,21 +5,22 @@ use std::fmt::Display;
 use bevy::prelude::*;
 use bevy_rapier2d::plugin::systems::writeback_rigid_bodies;
 use bevy_rapier2d::prelude::{
-    CollisionEvent, ContactForceEvent, MassModifiedMessage, PhysicsSet, RapierConfiguration,
-    RapierContextInitialization, RapierPhysicsPlugin, TimestepMode,
+    CollisionEvent, ContactForceEvent, MassModifiedMessage, PhysicsSet, RapierBevyComponentApply,
+    RapierConfiguration, RapierContextInitialization, RapierPhysicsPlugin, TimestepMode,
 };
 use bevy_rapier2d::rapier::dynamics::IntegrationParameters;
 use envgen::SpecError;
 
 use super::HeightHooks;
-use super::turned::place_below_turned;
+use super::turned;
 
 /// Adds rapier for worlds that are seen from above: without gravity, in metres, and with steps of a fixed
 /// length in `FixedUpdate`. Contacts are filtered by [`HeightHooks`].
 ///
 /// By default, rapier has gravity along -y and steps of varying length, so that no two runs are the same.
 /// Apps that add `RapierPhysicsPlugin` themselves do not need this plugin, which then logs a warning and
-/// changes nothing.
+/// changes nothing. Only with this plugin do bodies below a turned entity, such as the robots of a trial in a turned
+/// environment, have right transforms: `bevy_rapier2d` 0.36 writes wrong ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TopDownPhysicsPlugin {
     steps_per_second: f64,
@@ -100,7 +101,10 @@ impl Plugin for TopDownPhysicsPlugin {
             )
             .add_systems(
                 FixedUpdate,
-                place_below_turned.in_set(PhysicsSet::Writeback).after(writeback_rigid_bodies),
+                (
+                    turned::restore.in_set(PhysicsSet::SyncBackend).after(RapierBevyComponentApply),
+                    turned::correct.in_set(PhysicsSet::Writeback).after(writeback_rigid_bodies),
+                ),
             );
     }
 }

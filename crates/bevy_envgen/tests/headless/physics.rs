@@ -185,6 +185,30 @@ fn bodies_below_a_turned_entity_are_where_rapier_moves_them() {
     }
 }
 
+#[test]
+fn bodies_at_rest_below_a_turned_entity_stay_where_they_are() {
+    // If rapier read their rounded transforms, they would creep by micrometres in each step.
+    for ((x, y), turn, at, heading) in [
+        ((16.0, 32.0), -1.7, Vec2::new(29.81, 17.63), -1.86),
+        ((-34.0, 40.0), 2.9, Vec2::new(-19.7, 39.06), -2.28),
+    ] {
+        let mut app = test_app();
+        let above = Transform::from_xyz(x, y, 0.0).with_rotation(Quat::from_rotation_z(turn));
+        let root = app.world_mut().spawn(above).id();
+        let local =
+            GlobalTransform::from(above).affine().inverse().transform_point3(at.extend(0.0));
+        let place =
+            Transform::from_translation(local).with_rotation(Quat::from_rotation_z(heading - turn));
+        let body = (RigidBody::Dynamic, Collider::ball(0.2), place, ChildOf(root));
+        let body = app.world_mut().spawn(body).id();
+        let place = |app: &App| *app.world().get::<Transform>(body).unwrap();
+        step(&mut app, 3);
+        let before = place(&app);
+        step(&mut app, 1000);
+        assert_eq!(place(&app), before);
+    }
+}
+
 /// Throws a body at every wall that has free space in front of it, and returns the number of those that got
 /// through.
 fn throw(spec: &HallwaySpec, merge: ColliderMerging) -> usize {
