@@ -10,6 +10,10 @@ pub use error::MapError;
 /// Side of a cell in metres.
 pub const RESOLUTION: f64 = 0.05;
 
+/// Middles of cells that lie on borders of cells of another map, as in a map that is half a cell off, take the
+/// cells on the same side, as a fraction of a cell: rounding would take some cells twice and others never.
+pub(crate) const TIE: f64 = 1e-6;
+
 /// Cells along a side of a tile.
 pub const TILE: i32 = 32;
 

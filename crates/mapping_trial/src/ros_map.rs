@@ -5,7 +5,9 @@ use envgen::geometry::{Pose, Rect};
 use envgen::occupancy::OccupancyError;
 use glam::DVec2;
 
-use crate::map::{CLAMP, CellIndex, DECIDED, MAX_TILES, MapError, OccupancyMap, RESOLUTION, TILE};
+use crate::map::{
+    CLAMP, CellIndex, DECIDED, MAX_TILES, MapError, OccupancyMap, RESOLUTION, TIE, TILE,
+};
 
 /// How much finer than [`RESOLUTION`] a map may be and still count as equal, since files round.
 const AS_FINE: f64 = 1.0 - 1e-6;
@@ -143,7 +145,7 @@ impl OccupancyMap {
         for row in low.row..=high.row {
             let mut col = low.col;
             while col <= high.col {
-                let within = to_map(CellIndex { col, row }.centre()) / map.resolution;
+                let within = to_map(CellIndex { col, row }.centre()) / map.resolution + TIE;
                 let at = within.floor();
                 let end = high.col.min(col.saturating_add(steps_inside(within - at, step)));
                 let inside = at.cmpge(DVec2::ZERO).all() && at.cmplt(size).all();
@@ -246,7 +248,7 @@ mod tests {
                 let middle = DVec2::new((i % 4) as f64 + 0.5, (i / 4) as f64 + 0.5) * resolution;
                 let index = CellIndex::of(place.to_world(middle));
                 // Half a diagonal of a target cell away, a smaller cell's neighbour may begin.
-                let of = (place.to_local(index.centre()) / resolution).floor();
+                let of = (place.to_local(index.centre()) / resolution + TIE).floor();
                 let at = (of.y as usize * 4).checked_add(of.x as usize);
                 let inside = of.x >= 0.0 && of.y >= 0.0 && of.x < 4.0 && of.y < 3.0;
                 let expected = at.filter(|_| inside).map_or(Cell::Unknown, |at| as_cell(map.cells[at]));
@@ -273,7 +275,7 @@ mod tests {
             for row in low.row..=high.row {
                 for col in low.col..=high.col {
                     let index = CellIndex { col, row };
-                    let at = (map.origin.to_local(index.centre()) / resolution).floor();
+                    let at = (map.origin.to_local(index.centre()) / resolution + TIE).floor();
                     let inside = at.cmpge(DVec2::ZERO).all() && at.cmplt(size).all();
                     let wanted = inside.then(|| map.cells[at.y as usize * 4 + at.x as usize]);
                     prop_assert_eq!(found.cell(index), wanted.map_or(Cell::Unknown, as_cell));
@@ -297,6 +299,22 @@ mod tests {
                     RosCell::Free => prop_assert_ne!(at, Cell::Unknown),
                     RosCell::Unknown => {}
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_map_that_is_half_a_cell_off_keeps_all_its_cells() {
+        for offset in [0.025, 3.575, -3.575, -10.025, -51.225, 1000.475] {
+            let mut cells = vec![RosCell::Free; 400];
+            cells.iter_mut().step_by(7).for_each(|cell| *cell = RosCell::Occupied);
+            for cols in [400, 1] {
+                let origin = Pose::new(offset, offset, 0.0);
+                let map = RosMap { cols, resolution: RESOLUTION, origin, cells: cells.clone() };
+                let found = OccupancyMap::from_ros_map(&map, Pose::default()).unwrap();
+                let mut drawn = found.to_ros_map().unwrap().cells;
+                drawn.retain(|cell| *cell != RosCell::Unknown);
+                assert!(drawn == cells, "{offset}");
             }
         }
     }

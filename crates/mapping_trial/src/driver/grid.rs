@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{DriverError, not_allowed};
 use super::limits::MAX_LINE;
-use crate::map::{CLAMP, OccupancyMap, RESOLUTION, TILE};
+use crate::map::{CLAMP, OccupancyMap, RESOLUTION, TIE, TILE};
 
 /// Cells as bytes: the probability of being occupied in percent; 255 (-1 as a signed byte) is unknown.
 const FREE: u8 = 0;
@@ -143,8 +143,9 @@ impl Grid {
     /// grid has cells across it, so that no thin wall of a finer grid is lost.
     fn strips(&self, low: f64, high: f64, count: u32) -> Vec<(i32, Vec<Range<usize>>)> {
         let looks = (RESOLUTION / self.resolution - 1e-9).ceil().max(1.0);
-        let at =
-            |place: f64| ((place - low) / self.resolution).floor().clamp(-1.0, f64::from(count));
+        let at = |place: f64| {
+            ((place - low) / self.resolution + TIE).floor().clamp(-1.0, f64::from(count))
+        };
         let span = |cell: i32| {
             let corner = f64::from(cell) * RESOLUTION;
             let first = at(corner + 0.5 / looks * RESOLUTION).max(0.0);
@@ -247,6 +248,18 @@ mod tests {
                     prop_assert_eq!(map.cell(index), Cell::Occupied);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn thin_walls_of_a_grid_that_is_half_a_cell_off_stay() {
+        for (resolution, offset) in [(0.05, 3.575), (0.05, -51.225), (0.025, 1.0125)] {
+            let mut cells = vec![FREE; 400];
+            cells.iter_mut().step_by(8).for_each(|cell| *cell = OCCUPIED);
+            let grid = Grid { origin: [offset, 0.0], ..grid(resolution, 400, &cells) };
+            let map = drawn(&grid).unwrap();
+            let walls = known(&map).iter().filter(|(_, cell)| *cell == Cell::Occupied).count();
+            assert_eq!(walls, 50, "{resolution} {offset}");
         }
     }
 
