@@ -28,6 +28,8 @@ pub(crate) struct Bag {
     world: WholeFile,
     /// True and estimated poses of each robot.
     tracks: Vec<[WholeFile; 2]>,
+    /// Whether there is a bag of this name.
+    replaces: bool,
 }
 
 impl Bag {
@@ -47,6 +49,7 @@ impl Bag {
         create_folder(folder.unwrap_or(Path::new("."))).in_option("--log", path.display())?;
         let metadata = path.with_file_name(METADATA);
         refuse_other_bag(&metadata, path)?;
+        let replaces = metadata.is_file() && path.is_file();
         let begin = |path: &Path| -> Result<WholeFile, Box<dyn Error>> {
             refuse_inputs(path, inputs).in_file(path)?;
             Ok(WholeFile::create(path).in_file(path)?)
@@ -63,6 +66,7 @@ impl Bag {
             tracks,
             path: path.to_owned(),
             stem,
+            replaces,
         })
     }
 
@@ -101,6 +105,7 @@ impl Bag {
             beside(METADATA.to_owned()),
             beside(format!("{}.world.json", self.stem)),
         ];
+        let robots = self.tracks.len();
         for (robot, tracks) in self.tracks.into_iter().enumerate() {
             let truth = &trial.trajectory(robot).poses;
             // The first estimate precedes the first observation.
@@ -121,6 +126,18 @@ impl Bag {
             }
         }
         commit_all(files)?;
+        if self.replaces {
+            // The bag that was replaced may have had more robots.
+            for robot in robots.. {
+                let old = track_names(&self.stem, robot).map(|name| self.path.with_file_name(name));
+                if !old.iter().all(|path| path.is_file()) {
+                    break;
+                }
+                for path in &old {
+                    std::fs::remove_file(path).in_file(path)?;
+                }
+            }
+        }
         Ok(paths)
     }
 }

@@ -17,7 +17,7 @@ use crate::export::ros_map::{RESOLUTIONS, RosCell, RosMap};
 use crate::file::{self, FileError};
 use crate::geometry::{Pose, Rect, Shape};
 use crate::occupancy::OccupancyGrid;
-use crate::placement::max_clearance_point;
+use crate::placement::{max_clearance_point, pose_of_most_clearance};
 use crate::provenance::IMPORT;
 use crate::provenance::Provenance;
 use crate::world::{MAX_COORDINATE, Obstacle, ObstacleKind, Wall, WallKind, World};
@@ -27,6 +27,9 @@ const MAX_PERCENT: f64 = 100.0;
 
 /// The grey of unknown cells in maps that ROS and Nav2 save.
 const SAVED_UNKNOWN: f64 = 205.0;
+
+/// Cells that are smaller, in metres, are too fine for the distances of a start.
+const FINE_CELLS: f64 = 0.01;
 
 /// The least share of pixels for [`unknown_cells_warning`].
 const SUSPECT_SHARE: f64 = 0.01;
@@ -250,7 +253,7 @@ impl RosMap {
     /// bounds.
     ///
     /// The world's start is the point of greatest clearance in the largest free region, by [`max_clearance_point`],
-    /// heading along the map's rows. There is no start if no cell is free. Another start can be set in
+    /// or by [`pose_of_most_clearance`] if cells are smaller than 1 cm, heading along the map's rows. There is no start if no cell is free. Another start can be set in
     /// [`World::start`].
     pub fn to_world(&self, unknown: UnknownCells) -> World {
         let is_solid = |cell: &RosCell| match cell {
@@ -280,9 +283,14 @@ impl RosMap {
         };
         let obstacle = |cells| Obstacle::new(ObstacleKind::Other, self.box_of(cells));
         world.obstacles = inside.into_iter().chain(border).map(obstacle).collect();
-        let grid = OccupancyGrid::from_cells(DVec2::ZERO, self.resolution, self.cols, solid);
-        let place = grid.ok().and_then(|grid| max_clearance_point(&grid));
-        world.start = place.map(|place| Pose { position: self.origin.to_world(place), heading });
+        // Distances of more than 255 cells are all the same, which is near where cells are small.
+        let coarse = self.resolution < FINE_CELLS;
+        let place = coarse.then(|| pose_of_most_clearance(&world).ok().flatten()).flatten();
+        let place = place.map(|pose| pose.position).or_else(|| {
+            let grid = OccupancyGrid::from_cells(DVec2::ZERO, self.resolution, self.cols, solid);
+            max_clearance_point(&grid.ok()?).map(|place| self.origin.to_world(place))
+        });
+        world.start = place.map(|position| Pose { position, heading });
         world
     }
 

@@ -144,6 +144,18 @@ fn unknown_cells_are_solid_or_free() {
 }
 
 #[test]
+fn starts_have_room_in_maps_of_tiny_cells() {
+    let (side, resolution) = (2000, 0.001);
+    let origin = Pose::new(-10.0, -10.0, 0.0);
+    let map = RosMap { cols: side, resolution, origin, cells: vec![RosCell::Free; side * side] };
+    let start = map.to_world(UnknownCells::Solid).start.unwrap();
+    assert!(start.position.distance(DVec2::splat(-9.0)) < 0.15, "{start:?}");
+    // In a room that is too small for the coarser grid.
+    let small = RosMap { cols: 50, cells: vec![RosCell::Free; 2500], ..map };
+    assert!(small.to_world(UnknownCells::Solid).start.is_some());
+}
+
+#[test]
 fn an_open_border_is_closed_beyond_the_map() {
     let world = map_of(&["##.#", "#...", "####"]).to_world(UnknownCells::Solid);
     assert_eq!(world.check(), Ok(()));

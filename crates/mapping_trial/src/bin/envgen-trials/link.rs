@@ -107,6 +107,10 @@ fn session(path: &Path) -> Result<Result<Session, String>, Box<dyn Error>> {
     if report.is_form_measured() {
         return Ok(Err("a program drove, and filled the form from measurements".to_owned()));
     }
+    if report.scenario.is_some() {
+        let reason = "the world had doors that move, people or smoke, which the panel did not meet";
+        return Ok(Err(reason.to_owned()));
+    }
     let log_path = path.with_file_name("log.json");
     let mut log = File::open(&log_path).in_file(&log_path)?;
     let world = TrialLog::read(&mut log).in_file(&log_path)?.world.world().in_file(&log_path)?;

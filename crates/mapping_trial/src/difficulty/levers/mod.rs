@@ -6,7 +6,7 @@ mod lever;
 use std::collections::BTreeMap;
 
 use envgen::calibration::{Dials, Estimate, Scale};
-use envgen::{Seed, SettingsError, WorldSpec};
+use envgen::{Seed, SettingsError, SpecError, WorldSpec};
 use serde::{Deserialize, Serialize};
 
 pub use figure::figure;
@@ -51,9 +51,14 @@ impl LeverDesign {
     ///
     /// # Errors
     ///
-    /// Returns line and column of a syntax error.
+    /// Returns line and column of a syntax error, or that `maps` is below 2: a single world has no interval.
     pub fn from_ron(text: &str) -> Result<Self, SurveyError> {
-        Ok(ron_options().from_str(text).map_err(Box::new)?)
+        let design: Self = ron_options().from_str(text).map_err(Box::new)?;
+        if design.maps < 2 {
+            let error = SpecError::new("maps", design.maps, "at least 2");
+            return Err(SurveyError::Value { place: "levers".to_owned(), error });
+        }
+        Ok(design)
     }
 
     /// Returns the survey of all values of all levers.
