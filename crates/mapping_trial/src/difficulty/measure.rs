@@ -8,9 +8,10 @@ use thiserror::Error;
 
 use super::panel::Panel;
 use super::placed::placed;
-use super::usual_noise::usual_variance;
+use super::usual_noise::usual_variance_under;
 use crate::experiment::stats::half_interval;
 use crate::experiment::survey::{Condition, Failure, Site};
+use crate::robot::Robot;
 use crate::score::Scores;
 use crate::trial::{EndReason, LogWorld};
 
@@ -141,11 +142,14 @@ pub struct Measuring<'a> {
 
 impl<'a> Measuring<'a> {
     /// Begins a measurement. The trials draw their noise from `noise` and the seeds after it, each from
-    /// a seed of its own. Where more of the walls of a world that was not generated lie on borders of
-    /// score cells than would lie there half a cell farther, the trials run in the world that is moved
-    /// so: such a world is as difficult at one place as at another.
+    /// a seed of its own. Where more of the walls that the first condition's robot can see in a world
+    /// that was not generated lie on borders of score cells than would lie there half a cell farther,
+    /// the trials run in the world that is moved so: such a world is as difficult at one place as at
+    /// another.
     pub fn new(world: &World, panel: &'a Panel, noise: Seed) -> Self {
-        let world = placed(world);
+        let default = Robot::default();
+        let robot = panel.conditions.first().map_or(&default, |condition| &condition.robot);
+        let world = placed(world, robot);
         let source = LogWorld::Given(Box::new(world.clone().into_owned()));
         let scores = vec![Vec::new(); panel.conditions.len()];
         Measuring { site: Site::new(world.into_owned(), source), panel, noise, scores }
@@ -204,15 +208,20 @@ impl<'a> Measuring<'a> {
     /// Returns the mean dials over the conditions that have a trial, all with the same weight; `None`
     /// before the first trial.
     pub fn dials(&self, scale: &Scale) -> Option<Dials<Estimate>> {
-        let tried: Vec<&Vec<Scored>> = self.scores.iter().filter(|one| !one.is_empty()).collect();
+        let all = self.panel.conditions.iter().zip(&self.scores);
+        let tried: Vec<(&Condition, &Vec<Scored>)> =
+            all.filter(|(_, one)| !one.is_empty()).collect();
         if tried.is_empty() {
             return None;
         }
         // For the mean over conditions: each has the usual noise at its own scores.
-        let usual =
-            mean(tried.iter().map(|one| usual_variance(mean(one.iter().map(|one| one.dials)))));
+        let usual = tried.iter().map(|(condition, one)| {
+            usual_variance_under(condition, mean(one.iter().map(|one| one.dials)))
+        });
+        let usual = mean(usual);
         let estimate = |of: fn(&Dials<f64>) -> f64| {
-            let values = tried.iter().map(|one| one.iter().map(|one| of(&one.dials)).collect());
+            let values =
+                tried.iter().map(|(_, one)| one.iter().map(|one| of(&one.dials)).collect());
             estimate(&values.collect::<Vec<_>>(), of(&usual))
         };
         let scores = Dials {

@@ -7,51 +7,46 @@
 
 use std::borrow::Cow;
 
-use envgen::geometry::{Shape, edges};
 use envgen::glam::DVec2;
 use envgen::{World, WorldKind};
 
-use crate::mappable_area::SCORE_CELL;
+use crate::mappable_area::{MappableArea, SCORE_CELL};
+use crate::robot::Robot;
 
 /// How near to a border of cells a surface lies on it, as a fraction of a cell.
 const NEAR: f64 = 0.125;
 
-/// How parallel to an axis an edge is, as the greatest slope.
+/// How parallel to an axis a surface is, as the greatest slope of its normal.
 const PARALLEL: f64 = 1e-3;
 
 /// Returns a world of another tool, or one that was edited, moved along each axis by nothing or by half a score cell, so
-/// that the lesser length of walls lies on borders of cells. Roads and landscapes stay where they are.
-pub(super) fn placed(world: &World) -> Cow<'_, World> {
+/// that fewer of the walls that a robot can see lie on borders of cells. Roads and landscapes stay where they are, and
+/// so do worlds in which the robot does not fit.
+pub(super) fn placed<'a>(world: &'a World, robot: &Robot) -> Cow<'a, World> {
     let made = world.provenance.original();
     let is_generated = made.kind.parse::<WorldKind>().is_ok() && !made.edited;
     if is_generated || !world.road_strips.is_empty() || world.raster.is_some() {
         return Cow::Borrowed(world);
     }
-    match best_move(world) {
+    let Ok(area) = MappableArea::new(world, robot) else { return Cow::Borrowed(world) };
+    match best_move(&area) {
         DVec2::ZERO => Cow::Borrowed(world),
         by => Cow::Owned(moved(world, by)),
     }
 }
 
-fn best_move(world: &World) -> DVec2 {
-    // Length of the surfaces on borders, along each axis: where the world is, and half a cell farther.
-    let (mut here, mut there) = (DVec2::ZERO, DVec2::ZERO);
-    for solid in world.solids() {
-        if matches!(*solid.shape, Shape::Disc { .. }) {
-            continue;
-        }
-        for (a, b) in edges(&solid.shape.corners()) {
-            let along = (b - a).abs();
-            for axis in 0..2 {
-                let length = along[1 - axis];
-                if along[axis] > PARALLEL * length {
-                    continue;
-                }
-                let cells = a[axis] / SCORE_CELL;
-                let is_on_border = |cells: f64| (cells - cells.round()).abs() < NEAR;
-                here[axis] += if is_on_border(cells) { length } else { 0.0 };
-                there[axis] += if is_on_border(cells + 0.5) { length } else { 0.0 };
+fn best_move(area: &MappableArea) -> DVec2 {
+    // Numbers of points of walls on borders, along each axis: where the world is, and half a cell farther.
+    let (mut here, mut there) = ([0; 2], [0; 2]);
+    for wall in area.walls() {
+        for axis in 0..2 {
+            if wall.normal[1 - axis].abs() > PARALLEL {
+                continue;
             }
+            let cells = wall.position[axis] / SCORE_CELL;
+            let is_on_border = |cells: f64| (cells - cells.round()).abs() < NEAR;
+            here[axis] += u32::from(is_on_border(cells));
+            there[axis] += u32::from(is_on_border(cells + 0.5));
         }
     }
     let half = |axis: usize| if there[axis] < here[axis] { 0.5 * SCORE_CELL } else { 0.0 };
@@ -78,7 +73,7 @@ fn moved(world: &World, by: DVec2) -> World {
 
 #[cfg(test)]
 mod tests {
-    use envgen::geometry::{Pose, Rect};
+    use envgen::geometry::{Pose, Rect, Shape};
     use envgen::hallway::HallwaySpec;
     use envgen::indoor::IndoorSpec;
     use envgen::world::{Wall, WallKind};
@@ -116,9 +111,10 @@ mod tests {
         ] {
             let world = room(inner(at.0, at.1));
             let by = DVec2::new(by.0, by.1);
-            assert_eq!(best_move(&world), by, "{at:?}");
-            let placed = placed(&world);
-            assert_eq!(best_move(&placed), DVec2::ZERO, "{at:?}");
+            let robot = Robot::default();
+            let placed = placed(&world, &robot);
+            let again = super::placed(&placed, &robot);
+            assert!(matches!(again, Cow::Borrowed(_)), "{at:?}");
             assert_eq!(placed.bounds.min, world.bounds.min + by);
             let moved = |world: &World| world.start.expect("a start").position;
             assert_eq!(moved(&placed), moved(&world) + by);
@@ -130,22 +126,45 @@ mod tests {
     }
 
     #[test]
+    fn surfaces_that_no_robot_sees_do_not_count() {
+        // The backs of the walls, and what is behind them, lie on borders, but the sides that a robot sees do not.
+        let inner = Rect::new(DVec2::splat(0.05), DVec2::new(8.05, 6.05));
+        let mut world = room(inner);
+        let beyond = [
+            Rect::new(DVec2::new(-1.0, -0.05), DVec2::new(-0.05, 6.15)),
+            Rect::new(DVec2::new(-1.0, 6.15), DVec2::new(9.0, 7.0)),
+        ];
+        let wall = |area| Wall::new(WallKind::Wall, Shape::from_rect(area));
+        world.walls.extend((0..40).flat_map(|_| beyond).map(wall));
+        world.bounds = world.bounds.grown(2.0);
+        assert!(matches!(placed(&world, &Robot::default()), Cow::Borrowed(_)));
+        world.start = None;
+        assert!(matches!(placed(&world, &Robot::default()), Cow::Borrowed(_)));
+    }
+
+    #[test]
     fn generated_worlds_stay_where_they_are_until_they_are_edited() {
         for seed in 0..30 {
             let base = IndoorSpec { width: 8, height: 8, ..Default::default() };
             for spec in [base.draw_levers(Seed(seed)), base] {
                 let mut world = spec.generate(Seed(seed)).expect("a plan").to_world();
-                assert!(matches!(placed(&world), Cow::Borrowed(_)), "seed {seed}");
+                assert!(
+                    matches!(placed(&world, &Robot::default()), Cow::Borrowed(_)),
+                    "seed {seed}"
+                );
                 // Also edited ones: their walls lie in the middle of cells.
                 world.provenance.edited = true;
-                assert!(matches!(placed(&world), Cow::Borrowed(_)), "seed {seed}");
+                assert!(
+                    matches!(placed(&world, &Robot::default()), Cow::Borrowed(_)),
+                    "seed {seed}"
+                );
             }
         }
         // Walls of hallways that are 2 m wide lie on borders.
         let hall = HallwaySpec { segments: 5, width: 2.0, ..Default::default() };
         let mut world = hall.generate(Seed(1)).expect("a hallway").to_world();
-        assert!(matches!(placed(&world), Cow::Borrowed(_)));
+        assert!(matches!(placed(&world, &Robot::default()), Cow::Borrowed(_)));
         world.provenance.edited = true;
-        assert!(matches!(placed(&world), Cow::Owned(_)));
+        assert!(matches!(placed(&world, &Robot::default()), Cow::Owned(_)));
     }
 }

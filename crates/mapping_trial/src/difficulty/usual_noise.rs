@@ -1,6 +1,11 @@
 //! The usual variance of scores by noise alone, for worlds in which it is not known yet.
 
+use std::sync::LazyLock;
+
 use envgen::calibration::Dials;
+
+use super::panel::Panel;
+use crate::experiment::survey::Condition;
 
 /// Mean scores, and the variances by noise alone at these scores: those within a map and a condition,
 /// of 5,808 degrees of freedom, in maps of 8 x 8 and 10 x 10 cells (`difficulty_proof`), each trial
@@ -40,9 +45,35 @@ const VARIANCES: Dials<&[(f64, f64)]> = Dials {
     ],
 };
 
+/// How much greater the variances are under conditions unlike those of the reference panel, in the same maps: 1.5, 1.8
+/// and 0.6 times for difficulty, mapping and navigation by a TurtleBot3, and 1.7, 2.4 and 0.3 times with another laser and
+/// `pose_graph` as well.
+const OTHER_CONDITIONS: Dials<f64> = Dials { difficulty: 1.6, mapping: 2.0, navigation: 1.0 };
+
+/// The least variances under such conditions. A single trial may score 0 in a world whose mean score is 2.
+const LEAST: Dials<f64> = Dials { difficulty: 0.05, mapping: 0.1, navigation: 0.01 };
+
+static REFERENCE: LazyLock<Panel> = LazyLock::new(Panel::reference);
+
+/// Returns the usual variance of each dial by noise alone, for a mean score under a condition.
+pub(super) fn usual_variance_under(condition: &Condition, scores: Dials<f64>) -> Dials<f64> {
+    // Policies do not matter: the noise is also that of one that is not in the panel.
+    let is_usual = REFERENCE.conditions.iter().any(|usual| {
+        let (name, policy) = (condition.name.clone(), condition.policy);
+        Condition { name, policy, ..usual.clone() } == *condition
+    });
+    let usual = usual_variance(scores);
+    if is_usual {
+        return usual;
+    }
+    usual
+        .zip(OTHER_CONDITIONS.zip(LEAST))
+        .map(|(variance, (factor, least))| (factor * variance).max(least))
+}
+
 /// Returns the usual variance of each dial at a mean score: linear between those of the table, and
 /// constant beyond.
-pub(super) fn usual_variance(scores: Dials<f64>) -> Dials<f64> {
+fn usual_variance(scores: Dials<f64>) -> Dials<f64> {
     scores.zip(VARIANCES).map(|(score, table)| {
         let after = table.partition_point(|&(at, _)| at <= score);
         match (after.checked_sub(1).map(|before| table[before]), table.get(after)) {
@@ -58,6 +89,32 @@ pub(super) fn usual_variance(scores: Dials<f64>) -> Dials<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::odometry::OdometryProfile;
+    use crate::slam::SlamKind;
+
+    #[test]
+    fn other_conditions_have_more_noise() {
+        let scores = Dials { difficulty: 3.5, mapping: 0.0, navigation: 3.5 };
+        for usual in &Panel::reference().conditions {
+            assert_eq!(usual_variance_under(usual, scores), usual_variance(scores));
+            let tour = Condition { policy: crate::policy::PolicyKind::Tour, ..usual.clone() };
+            assert_eq!(usual_variance_under(&tour, scores), usual_variance(scores));
+            let driven = Condition { driver: Some("driver".to_owned()), ..usual.clone() };
+            let small = Condition {
+                robot: crate::robot::Robot { length: 0.3, ..usual.robot.clone() },
+                ..usual.clone()
+            };
+            let estimator = Condition { slam: SlamKind::PoseGraph, ..usual.clone() };
+            let odometry = OdometryProfile::default();
+            let rough = OdometryProfile { b_t: 0.5, ..odometry };
+            let wheels = Condition { odometry: rough, ..usual.clone() };
+            for other in [driven, small, estimator, wheels] {
+                let found = usual_variance_under(&other, scores);
+                assert_eq!((found.mapping, found.navigation), (0.1, 0.042));
+                assert!((found.difficulty - 1.6 * 0.226).abs() < 1e-12);
+            }
+        }
+    }
 
     #[test]
     fn variances_are_linear_between_those_of_the_table() {

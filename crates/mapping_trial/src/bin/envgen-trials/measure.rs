@@ -48,7 +48,7 @@ struct Report {
     /// Description of the world, such as `indoor, seed 3`.
     world: String,
     measurement: Measurement,
-    /// Percentage of the atlas's worlds that are easier, by each dial; absent for panels other than the
+    /// Percentage of the worlds that are easier in the atlas of the prediction, by each dial; absent for panels other than the
     /// reference panel, and for kinds that are not calibrated.
     percentiles: Option<Dials<f64>>,
     /// The prediction of the calibration; absent for panels other than the reference panel, for kinds
@@ -84,8 +84,14 @@ pub(crate) fn run(arguments: &Arguments, threads: usize) -> Result<(), Box<dyn E
     let calibration = Calibration::of_world(&world).filter(|_| panel == Panel::reference());
     warn_of_coverage(&measurement);
     let values = measurement.measured.dials.map(|dial| dial.value);
-    let percentiles = calibration.and_then(|known| known.atlas.percentiles(values));
     let prediction = calibration.and_then(|known| predict(known, &world));
+    let percentiles = calibration.and_then(|known| {
+        // Worlds are compared with others of their size.
+        let smaller = known.smaller.as_ref().filter(|smaller| {
+            prediction.is_some_and(|prediction| prediction.calibration == smaller.version)
+        });
+        smaller.map_or(&known.atlas, |smaller| &smaller.atlas).percentiles(values)
+    });
     let report = Report { world: world.provenance.name(), measurement, percentiles, prediction };
     if arguments.json { json::print(&report) } else { Ok(stdout::print(&text(&report))?) }
 }
