@@ -19,12 +19,17 @@ const MOST_POINTS: usize = 4000;
 /// Greatest number of steps of one size.
 const MOST_STEPS: usize = 200;
 
+/// Greatest distance from the first guess, in metres and radians: farther away, a map fits where it does not belong,
+/// such as along a corridor.
+const FARTHEST: (f64, f64) = (1.5, 0.3);
+
 /// Returns the pose of a map's frame in the world's frame for which the map's walls are nearest to the
 /// world's, near a first guess.
 ///
 /// `map` is in its own frame. From the guess, the search climbs in steps that become smaller. It finds
-/// a frame that is up to about a metre and ten degrees away; of frames that look alike, it finds the
-/// first. A map without walls stays where it is.
+/// a frame that is up to about a metre and ten degrees away, and none that is turned by more than 17 degrees,
+/// or that shifts both its origin and the middle of the map's walls by more than 1.5 m; of frames that look alike, it finds the first. A map
+/// without walls stays where it is.
 ///
 /// ```
 /// use envgen::geometry::Pose;
@@ -47,13 +52,21 @@ pub fn fit(truth: &MappableArea, map: &OccupancyMap, guess: Pose) -> Pose {
         points.iter().map(|&p| closeness(truth, to_world(p - middle))).sum()
     };
     let mut best = Pose { position: guess.to_world(middle), heading: guess.heading };
+    let first = best;
+    let is_near = |at: &Pose| {
+        let turn = wrap_angle(at.heading - first.heading).abs();
+        // The frame may be turned about the middle of the walls, or about its own origin.
+        let turned = Pose { position: guess.position, heading: at.heading }.to_world(middle);
+        let shift = at.position.distance(first.position).min(at.position.distance(turned));
+        shift <= FARTHEST.0 && turn <= FARTHEST.1
+    };
     let mut value = closeness(best);
     let (mut shift, mut turn) = FIRST;
     while shift > LAST_SHIFT && !points.is_empty() {
         for _ in 0..MOST_STEPS {
-            let around = neighbours(best, shift, turn).map(|at| (closeness(at), at));
-            let better =
-                around.into_iter().fold((value, best), |a, b| if b.0 > a.0 { b } else { a });
+            let around = neighbours(best, shift, turn).into_iter().filter(is_near);
+            let around = around.map(|at| (closeness(at), at));
+            let better = around.fold((value, best), |a, b| if b.0 > a.0 { b } else { a });
             if better.0 <= value {
                 break;
             }
@@ -136,6 +149,43 @@ mod tests {
             let map = OccupancyMap::from_ros_map(&own.to_ros_map().expect("small"), found);
             let scores = MapScores::of(&truth, &map.expect("small"));
             assert!(scores.f1_15 > 0.99 && scores.coverage > 0.97, "{scores:?}");
+        }
+    }
+
+    #[test]
+    fn a_map_is_not_moved_along_a_corridor() {
+        let truth = Reference::new(&room(60.0, 3.0), &Robot::default()).expect("free space");
+        let mut map = truth.perfect_map().to_ros_map().expect("small");
+        // Without its ends, a corridor fits everywhere.
+        let wide = map.cols;
+        for (i, cell) in map.cells.iter_mut().enumerate() {
+            if !(wide / 3..2 * wide / 3).contains(&(i % wide)) {
+                *cell = envgen::export::ros_map::RosCell::Unknown;
+            }
+        }
+        let own = OccupancyMap::from_ros_map(&map, Pose::default()).expect("small");
+        for off in [6.0, -12.0] {
+            let found = fit(&truth, &own, Pose::new(off, 0.3, 0.0)).position;
+            assert!((found.x - off).abs() < 1.6 && found.y.abs() < 0.1, "{found}");
+        }
+    }
+
+    #[test]
+    fn a_heading_that_is_off_is_found_far_from_the_origin() {
+        // The middle of the walls is 30 m from the origin of the frame, and a turn moves it by 1.8 m.
+        let mut world = room(60.0, 12.0);
+        for (x, from, to) in
+            [(9.0, 0.0, 9.5), (21.0, 2.5, 12.0), (30.0, 0.0, 9.5), (47.0, 2.5, 12.0)]
+        {
+            add_wall(&mut world, (x, from), (x + 0.1, to));
+        }
+        let truth = Reference::new(&world, &Robot::default()).expect("free space");
+        let ros = truth.perfect_map().to_ros_map().expect("small");
+        let frame = Pose::new(1.0, 1.5, 0.0);
+        let own = OccupancyMap::from_ros_map(&ros, frame.inverse()).expect("small");
+        for turn in [0.06, -0.06] {
+            let found = frame.between(fit(&truth, &own, frame.compose(Pose::new(0.0, 0.0, turn))));
+            assert!(found.position.length() < 0.15 && found.heading.abs() < 0.005, "{found:?}");
         }
     }
 

@@ -18,6 +18,7 @@ mod spinner;
 mod start_argument;
 mod stdout;
 mod survey;
+mod trajectory_gaps;
 mod usage;
 mod warning;
 

@@ -22,6 +22,7 @@ use serde::Serialize;
 
 use crate::spinner::spinner;
 use crate::start_argument::start;
+use crate::trajectory_gaps::{Gaps, missing_share};
 use crate::usage::Usage;
 use crate::warning::{warn, warn_of_map};
 use crate::{json, stdout};
@@ -29,15 +30,15 @@ use crate::{json, stdout};
 /// Least fraction of a map's free cells that have to be ground for no warning.
 const LEAST_GROUND: f64 = 0.5;
 
+/// A robot that gets through narrow passages.
+const NARROW: &str = "(length: 0.22, width: 0.22)";
+
 /// Least fraction of a map's walls that have to be near true ones for no warning of the frame: in a wrong frame up to
 /// three tenths were.
 const LEAST_PRECISION: f64 = 0.5;
 
 /// Greatest fraction of the true path for which an estimate may be missing without a warning.
 const MOST_MISSING: f64 = 0.1;
-
-/// The distance in metres on the true path between two poses of an estimate that does not count as missing.
-const GAP: f64 = 1.0;
 
 #[derive(Args)]
 #[expect(clippy::doc_markdown, reason = "help texts are not Markdown")]
@@ -60,7 +61,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "X,Y,HEADING", value_parser = start, allow_hyphen_values = true)]
     start: Option<Pose>,
 
-    /// Moves the map to where its walls match those of the world best, by at most about a metre.
+    /// Moves the map to where its walls match those of the world best, by at most 1.5 m.
     #[arg(long)]
     fit: bool,
 
@@ -111,7 +112,7 @@ struct Report {
 struct Trajectory {
     /// Number of poses that are scored.
     poses: usize,
-    /// Number of poses before the first true pose or after the last one.
+    /// Number of poses before the first true pose, after the last one, or in a gap between true poses.
     outside: usize,
     /// Scores in the frame of the map.
     as_is: TrajectoryScores,
@@ -157,6 +158,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let robots: Vec<(Vec<TimedPose>, Vec<TimedPose>)> =
         robots.collect::<Result<_, Box<dyn Error>>>()?;
 
+    for ((_, truth), path) in robots.iter().zip(&arguments.truth) {
+        let gaps = Gaps::of(truth);
+        if let Some((start, end)) = gaps.longest() {
+            warn(&format!(
+                "{}: no true pose between {start} s and {end} s: estimated poses in {} of such gaps are not scored",
+                path.display(),
+                gaps.count()
+            ));
+        }
+    }
+
     let spinner = spinner("scoring");
     let reference =
         Reference::from_start(&world, &robot, start.position).in_file(&arguments.world)?;
@@ -169,8 +181,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         frame = fit(&reference, &own, frame);
     }
     let map = OccupancyMap::from_ros_map(&ros_map, frame).in_file(path)?;
-    let map = MapScores::of(&reference, &map);
-    let is_ground = ground_share(&ros_map, &map);
+    let drawn = map;
+    let map = MapScores::of(&reference, &drawn);
+    let mut is_ground = ground_share(&ros_map, &map);
+    if is_ground < LEAST_GROUND {
+        // A large robot sees ground through passages that are too narrow for it.
+        let narrow = Robot { laser_mount: robot.laser_mount, ..Robot::from_ron(NARROW)? };
+        if let Ok(open) = Reference::from_start(&world, &narrow, start.position) {
+            is_ground = is_ground.max(ground_share(&ros_map, &MapScores::of(&open, &drawn)));
+        }
+    }
     let trajectory = if robots.is_empty() { None } else { Some(score(&robots, frame)?) };
     spinner.finish_and_clear();
     let has = |cell| ros_map.cells.contains(&cell);
@@ -191,7 +211,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         ));
     } else if is_ground < LEAST_GROUND {
         warn(&format!(
-            "only {:.0} % of the map's free cells are ground that the robot can cover: what it has not seen must be \
+            "only {:.0} % of the map's free cells are open ground of the world: what the robot has not seen must be \
              unknown in the map, or it counts as covered",
             100.0 * is_ground
         ));
@@ -219,34 +239,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if arguments.json { json::print(&report) } else { Ok(stdout::print(&text(&report))?) }
 }
 
-/// The fraction of a map's free cells that are ground which the robot can cover.
+/// The fraction of a map's free cells that are ground which the robot of the scores can cover.
 fn ground_share(ros_map: &RosMap, scores: &MapScores) -> f64 {
     let free = ros_map.cells.iter().filter(|cell| **cell == RosCell::Free).count() as f64;
     let free_area = free * ros_map.resolution * ros_map.resolution;
     scores.coverage * scores.free_area / free_area.max(f64::MIN_POSITIVE)
-}
-
-/// The fraction of the true path's length that lies in gaps of an estimate, each without its first metre.
-fn missing_share(estimated: &[TimedPose], truth: &[TimedPose]) -> f64 {
-    let mut driven = vec![0.0];
-    for pair in truth.windows(2) {
-        let step = pair[0].pose.position.distance(pair[1].pose.position);
-        driven.push(driven[driven.len() - 1] + step);
-    }
-    let whole = driven[driven.len() - 1];
-    let driven_at = |time: f64| {
-        let next = truth.partition_point(|pose| pose.time <= time);
-        if next == 0 || next == truth.len() {
-            return if next == 0 { 0.0 } else { whole };
-        }
-        let part = (time - truth[next - 1].time) / (truth[next].time - truth[next - 1].time);
-        driven[next - 1] + part * (driven[next] - driven[next - 1])
-    };
-    let mut seen: Vec<f64> = estimated.iter().map(|pose| driven_at(pose.time)).collect();
-    seen.extend([0.0, whole]);
-    seen.sort_by(f64::total_cmp);
-    let missing: f64 = seen.windows(2).map(|pair| (pair[1] - pair[0] - GAP).max(0.0)).sum();
-    if whole > 0.0 { missing / whole } else { 0.0 }
 }
 
 fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {
@@ -262,12 +259,14 @@ fn score(
     let mut pairs: Vec<(Vec<Pose>, Vec<Pose>)> = Vec::new();
     for (estimated, truth) in robots {
         let times = estimated.iter().map(|pose| pose.time);
+        let gaps = Gaps::of(truth);
         let known = tum::at_times(truth, times).zip(estimated);
+        let known = known.filter(|(_, estimated)| !gaps.contain(estimated.time));
         let known = known.filter_map(|(truth, estimated)| Some((truth?, estimated.pose)));
         let pair: (Vec<Pose>, Vec<Pose>) = known.unzip();
         if pair.0.is_empty() {
             return Err(
-                "--trajectory and --truth have no time in common: both need the same clock".into(),
+                "--trajectory and --truth have no time in common, without gaps: both need the same clock".into(),
             );
         }
         pairs.push(pair);
@@ -355,34 +354,4 @@ fn text(report: &Report) -> String {
         row(&mut text, "relative error, far", some(scores.relative_error_far), "over 20 m");
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Poses on a straight path of 10 m at 1 m/s, one every `step` seconds up to `end`.
-    fn poses(step: f64, end: f64) -> Vec<TimedPose> {
-        let count = (end / step).round() as u32;
-        let times = (0..=count).map(|i| step * f64::from(i));
-        times.map(|time| TimedPose { time, pose: Pose::new(time, 0.0, 0.0) }).collect()
-    }
-
-    #[test]
-    fn what_an_estimate_lacks_is_a_part_of_the_path() {
-        for truth in [poses(0.05, 10.0), poses(2.0, 10.0), poses(10.0, 10.0)] {
-            for (estimate, expected) in [
-                (poses(0.05, 10.0), 0.0),
-                (poses(1.0, 10.0), 0.0),
-                // Of every 2 m, the second.
-                (poses(2.0, 10.0), 0.5),
-                (poses(0.05, 4.0), 0.5),
-                (poses(0.05, 0.05), 0.895),
-            ] {
-                let missing = missing_share(&estimate, &truth);
-                assert!((missing - expected).abs() < 1e-9, "{missing}, not {expected}");
-            }
-        }
-        assert_eq!(missing_share(&poses(1.0, 3.0), &poses(1.0, 0.0)), 0.0);
-    }
 }
