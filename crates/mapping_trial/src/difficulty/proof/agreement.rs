@@ -4,7 +4,7 @@ use envgen::{Seed, Stream};
 use serde::Serialize;
 
 use crate::difficulty::NEAR_REQUEST;
-use crate::experiment::stats::{Interval, bootstrap, spearman};
+use crate::experiment::stats::{Interval, bootstrap, fraction, spearman};
 use crate::score::kendall_tau;
 
 /// How well measured values agree with requested ones, over maps.
@@ -22,12 +22,13 @@ pub struct Agreement {
     pub slope: Option<Interval>,
     /// Value of this line at 0.
     pub intercept: Option<Interval>,
-    /// Fraction of the maps whose measured value is [near](NEAR_REQUEST) the requested one.
+    /// Fraction of the maps whose measured value is [near](NEAR_REQUEST) the requested one. Its interval contains the
+    /// exact one of a fraction, because the bootstrap has none if all maps are near, or none is.
     pub near: Option<Interval>,
 }
 
-/// Compares values map by map, with 95 % intervals by the bootstrap over maps. Nothing is known for
-/// lists of different lengths, without maps, or if a value is not finite.
+/// Compares values map by map, with 95 % intervals by the bootstrap over maps, which are too narrow for a few maps. Nothing
+/// is known for lists of different lengths, without maps, or if a value is not finite.
 ///
 /// ```
 /// use mapping_trial::difficulty::proof::agreement;
@@ -102,6 +103,15 @@ fn statistics(x: &[f64], y: &[f64]) -> [Option<f64>; 6] {
 impl Agreement {
     fn new(maps: usize, found: [Option<Interval>; 6]) -> Self {
         let [rho, tau, error, slope, intercept, near] = found;
+        let near =
+            near.map(|near| match fraction((near.value * maps as f64).round() as usize, maps) {
+                Some(exact) => Interval {
+                    low: near.low.min(exact.low),
+                    high: near.high.max(exact.high),
+                    ..near
+                },
+                None => near,
+            });
         Agreement { maps, rho, tau, error, slope, intercept, near }
     }
 }
@@ -174,6 +184,10 @@ mod tests {
         assert!((value(found.error) - error).abs() < 1e-12);
         // At 5, 6 and 7, of which the line has 5.5, 6 and 6.5.
         assert_eq!(value(found.near), 3.0 / 40.0);
+        // The bootstrap alone would be certain.
+        let near = agreement(&requested, &requested).near.expect("an interval");
+        assert_eq!((near.value, near.high), (1.0, 1.0));
+        assert!((near.low - 0.9119).abs() < 1e-4, "{near:?}");
     }
 
     #[test]
