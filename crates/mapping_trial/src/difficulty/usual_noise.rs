@@ -45,9 +45,9 @@ const VARIANCES: Dials<&[(f64, f64)]> = Dials {
     ],
 };
 
-/// How much greater the variances are under conditions unlike those of the reference panel, in the same maps: 1.5, 1.8
-/// and 0.6 times for difficulty, mapping and navigation by a `TurtleBot3`, and 1.7, 2.4 and 0.3 times with another laser and
-/// `pose_graph` as well.
+/// How much greater the variances are under conditions unlike those of the reference panel, in the same maps: for
+/// difficulty, mapping and navigation 1.5, 1.8 and 0.6 times by a `TurtleBot3`, and 1.7, 2.4 and 0.3 times with another
+/// laser and `pose_graph` as well.
 const OTHER_CONDITIONS: Dials<f64> = Dials { difficulty: 1.6, mapping: 2.0, navigation: 1.0 };
 
 /// The least variances under such conditions. A single trial may score 0 in a world whose mean score is 2.
