@@ -54,7 +54,7 @@ pub struct Observation {
     /// The water that the robot's camera sees, as returned by [`crate::water::seen`], in ticks that
     /// have a scan; `None` otherwise.
     pub water: Option<Vec<DVec2>>,
-    /// Whether the robot touches a solid part or another robot.
+    /// Whether the robot touches a solid part, another robot or a person.
     pub bumped: bool,
     /// Seconds until the battery is empty.
     pub battery: f64,

@@ -69,7 +69,7 @@ settings! {
         laser_mount: LaserMount = PIONEER_3AT.laser_mount => nested;
         /// Time that the battery lasts.
         battery: f64 = PIONEER_3AT.battery => number("s", 0.05..=MAX_TIME_LIMIT);
-        /// Distance to which its camera distinguishes water from floor. With 0, the robot does not see
+        /// Distance to which its camera distinguishes water from floor. Below 0.3, the robot does not see
         /// water and drives into it.
         water_sight: f64 = PIONEER_3AT.water_sight => number("m", 0.0..=5.0);
     }

@@ -67,7 +67,8 @@ pub trait ExplorationPolicy {
         2
     }
 
-    /// Returns the number of recoveries of a robot so far: how often it was stuck and freed itself.
+    /// Returns the number of recoveries of a robot so far: how often it was stuck, also in a narrow gap
+    /// that it tried, and freed itself.
     fn recoveries(&self, _robot: usize) -> u32 {
         0
     }

@@ -3,7 +3,7 @@
 use envgen::geometry::{Pose, unit_vector};
 use glam::DVec2;
 
-use super::margins::is_slow;
+use super::margins::outruns;
 use crate::lidar::{LaserProfile, Scan};
 use crate::robot::Robot;
 
@@ -24,8 +24,8 @@ const GRAZE: f64 = 0.02;
 pub(super) struct Guard {
     beams: Vec<DVec2>,
     laser: DVec2,
-    /// Whether the time between scans is so long that echoes are moved with the robot.
-    is_slow: bool,
+    /// Whether the robot moves so far between scans that echoes are moved with it.
+    outruns: bool,
     horizon: f64,
     radius: f64,
     echoes: Vec<DVec2>,
@@ -41,7 +41,7 @@ impl Guard {
         Guard {
             beams: beams.collect(),
             laser: mount.position,
-            is_slow: is_slow(laser),
+            outruns: outruns(robot, laser),
             horizon: horizon(robot),
             radius: robot.circumscribed_radius,
             echoes: Vec::new(),
@@ -56,7 +56,7 @@ impl Guard {
         let near = |range: &f64| *range > 0.0 && *range < self.horizon;
         let beams = self.beams.iter().zip(&scan.ranges).filter(|(_, range)| near(range));
         self.echoes.extend(beams.map(|(&beam, &range)| self.laser + beam * range));
-        if self.is_slow {
+        if self.outruns {
             let now = since.world_to_local();
             self.echoes.iter_mut().for_each(|echo| *echo = now(*echo));
         }

@@ -14,9 +14,19 @@ const CRUISE: f64 = 0.5;
 /// this time a Pioneer 3-AT moves 10 cm or turns by 16 degrees.
 const FRESH: u32 = 4;
 
-/// Returns whether a robot moves far between two scans of a laser.
-pub(super) fn is_slow(laser: &LaserProfile) -> bool {
+/// The distance in metres that a cruising robot may move between two scans for the same.
+const NEAR: f64 = 0.1;
+
+/// Returns whether a laser has a long time between two scans.
+fn is_slow(laser: &LaserProfile) -> bool {
     laser.ticks_a_scan > FRESH
+}
+
+/// Returns whether a robot moves so far between two scans of a laser that echoes must be moved with it.
+pub(super) fn outruns(robot: &Robot, laser: &LaserProfile) -> bool {
+    let moved = f64::from(laser.ticks_a_scan) * TICK * cruising_speed(robot);
+    // The Pioneer moves exactly as far, but for rounding.
+    is_slow(laser) || moved > NEAR + 1e-9
 }
 
 /// The limits of driving, computed once per robot. All are in metres, m/s, radians and seconds.
@@ -108,6 +118,24 @@ impl Margins {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fast_robots_and_slow_lasers_need_echoes_that_move() {
+        let laser = LaserProfile::default();
+        let slow = LaserProfile { ticks_a_scan: FRESH + 1, ..laser.clone() };
+        let quick = LaserProfile { ticks_a_scan: 1, ..laser.clone() };
+        let at = |max_speed| Robot { max_speed, ..PIONEER_3AT };
+        for (robot, laser, expected) in [
+            (PIONEER_3AT, &laser, false),
+            (PIONEER_3AT, &slow, true),
+            (at(0.26), &laser, false),
+            (at(0.75), &laser, true),
+            (at(2.0), &laser, true),
+            (at(2.0), &quick, false),
+        ] {
+            assert_eq!(outruns(&robot, laser), expected, "{} m/s", robot.max_speed);
+        }
+    }
 
     #[test]
     fn the_pioneer_drives_as_it_always_did() {

@@ -25,7 +25,7 @@ const TICKS_PER_SAMPLE: u64 = 10;
 /// The true motion of one robot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trajectory {
-    /// True poses: the start, and one after every tick. A robot whose part has ended does not move.
+    /// True poses: the start, and one after every tick. A robot whose part has ended brakes.
     pub poses: Vec<Pose>,
     /// Path length in metres.
     pub distance: f64,
@@ -292,10 +292,14 @@ impl<B: RobotBackend> Trial<B> {
         &self.tracks[robot]
     }
 
-    /// Returns the distance in metres between a robot's estimated and true positions.
+    /// Returns the distance in metres between a robot's estimated and true positions, at the end of its
+    /// part if that has ended: SLAM gets no more scans, while the robot may still brake.
     pub fn pose_error(&self, robot: usize) -> f64 {
-        let (estimated, truth) = (self.autonomy.slam().estimate(robot), self.bodies.pose(robot));
-        estimated.pose.position.distance(truth.position)
+        let estimated = self.autonomy.slam().estimate(robot).pose;
+        let at_end =
+            self.ends[robot].and_then(|end| self.tracks[robot].poses.get(end.tick as usize));
+        let truth = at_end.copied().unwrap_or_else(|| self.bodies.pose(robot));
+        estimated.position.distance(truth.position)
     }
 
     /// Returns why and when a robot's part ended; `None` while it continues.

@@ -37,7 +37,7 @@ impl Navigator {
         let pilot = &mut self.pilots[view.robot];
         pilot.progress = Progress::default();
         pilot.recoveries += 1;
-        // A narrow gap that was only tried does not count as a recovery.
+        // A narrow gap that was only tried is no reason to escape.
         if !squeezes {
             pilot.recovered.push_back(view.seen.time);
         }

@@ -25,9 +25,9 @@ pub(super) const FAILED: f64 = 0.5;
 /// Time in seconds between two updates from the map.
 pub(super) const REFRESH: f64 = 1.0;
 
-/// By how much the robot counts as slimmer, in metres and at most as a fraction of its radius, for
-/// goals behind gaps that are too narrow on the map. If walls on the map are off by this much in all,
-/// they close the narrowest gaps that it fits through.
+/// By how much the robot's radius counts as smaller, in metres and at most as a fraction of it, for goals
+/// behind gaps that are too narrow on the map. If both walls of a gap are off by this much, they close
+/// the narrowest gaps that it fits through.
 const SLIMMER: (f64, f64) = (0.1, 0.3);
 
 /// Drives robots to goals.
