@@ -15,8 +15,9 @@ use glam::DVec2;
 use super::budget::{Budget, Doubt};
 use super::piece::Piece;
 use super::piece_index::Pieces;
+use super::stretches::{End, stretches};
 use super::windings::{Crossings, Windings};
-use crate::geometry::Rect;
+use crate::geometry::{Rect, Shape};
 
 /// Lengths that differ by this share of the largest coordinate may differ only by rounding.
 const ROUNDING: f64 = 1e-13;
@@ -105,7 +106,13 @@ impl<'a> Barriers<'a> {
 
     /// Whether a connected part of the free space extends from the area's west side to its east side. This is the
     /// case if and only if no barrier extends from its south side to its north side inside the area.
-    pub(super) fn crosses(&self, budget: &mut Budget) -> Result<bool, Doubt> {
+    ///
+    /// `shapes` are those of the pieces.
+    pub(super) fn crosses<'b>(
+        &self,
+        shapes: impl Iterator<Item = &'b Shape>,
+        budget: &mut Budget,
+    ) -> Result<bool, Doubt> {
         let count = self.pieces.list().len();
         let (south, north) = (count, count + 1);
         let mut windings = Windings::new(count + 2);
@@ -120,6 +127,27 @@ impl<'a> Barriers<'a> {
             Ok(windings.are_joined(south, north))
         };
         let (low, high) = (self.area.min.y, self.area.max.y);
+        let mut first = 0;
+        for shape in shapes {
+            let Shape::Polygon { vertices } = shape else {
+                first += 1;
+                continue;
+            };
+            budget.spend(2 * vertices.len() as u64)?;
+            for x in [self.area.min.x, self.area.max.x] {
+                for ends in stretches(vertices, x, [low, high]) {
+                    let between = ends.map(|end| match end {
+                        End::Side(side) => first + side,
+                        End::Low => south,
+                        End::High => north,
+                    });
+                    if visit(between, Nearer::Yes)? {
+                        return Ok(false);
+                    }
+                }
+            }
+            first += vertices.len();
+        }
         for (i, piece) in self.pieces.list().iter().enumerate() {
             budget.spend(1)?;
             let bounds = piece.bounds();
@@ -202,9 +230,10 @@ impl<'a> Barriers<'a> {
                 if nearer == Nearer::No {
                     continue;
                 }
-                // To the nearest place outside: from there no walk outside crosses a line inside.
+                // To the nearest place on the area's side, and beyond it: from there no walk outside crosses a line
+                // inside, or on the side.
                 let end = piece.farthest(direction) + direction * distance.max(0.0);
-                let walk = [piece.center, end, end];
+                let walk = [piece.center, end, end + direction * (1.0 + self.rounding)];
                 let joint = Joint { between: [i, outside], walk, is_sure: nearer == Nearer::Yes };
                 if visit(joint, budget)? {
                     return Ok(());
@@ -257,7 +286,6 @@ const THIRDS: u64 = 120;
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::geometry::Shape;
     use proptest::prelude::*;
 
     pub(in crate::certificate) const SIDE: f64 = 6.0;
@@ -273,7 +301,8 @@ pub(super) mod tests {
             (point(), (0.05..1.5, 0.05..0.5), -4.0..4.0).prop_map(|(center, half, heading)| {
                 Shape::Box { center, half_size: DVec2::new(half.0, half.1), heading }
             }),
-            (point(), 0.2..1.0_f64).prop_map(|(p, size)| {
+            (point(), 0.2..4.0_f64).prop_map(|(p, size)| {
+                let p = p - 0.5 * size;
                 let corners = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (1.0, 0.5), (0.0, 2.0)];
                 let corner = |(x, y)| p + size * DVec2::new(x, y);
                 Shape::Polygon { vertices: corners.map(corner).to_vec() }
@@ -346,7 +375,7 @@ pub(super) mod tests {
             let pieces = pieces(&shapes, radius);
             let barriers = Barriers::new(&pieces, area, radius);
 
-            let crosses = barriers.crosses(&mut budget());
+            let crosses = barriers.crosses(shapes.iter(), &mut budget());
             let (west, east) = (|p: DVec2| p.x < 0.5 * H, |p: DVec2| p.x > SIDE - 0.5 * H);
             if let Some(expected) = by_flood(&shapes, radius, west, east) {
                 prop_assert_eq!(crosses, Ok(expected));
@@ -406,6 +435,66 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn filled_polygons_are_barriers() {
+        let area = Rect::new(DVec2::splat(0.5), DVec2::new(9.5, 5.5));
+        let polygon = |corners: &[(f64, f64)]| {
+            let vertices = corners.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
+            [Shape::Polygon { vertices }]
+        };
+        for (corners, expected) in [
+            // All of the area, all but a corner, and all but a strip in the north.
+            (&[(0.0, 0.0), (10.0, 0.0), (10.0, 6.0), (0.0, 6.0)][..], false),
+            (&[(0.0, 0.0), (10.0, 0.0), (10.0, 3.0), (7.0, 6.0), (0.0, 6.0)], false),
+            (&[(0.0, 0.0), (10.0, 0.0), (10.0, 4.0), (0.0, 4.0)], true),
+            // Two arms that are connected outside the area.
+            (
+                &[
+                    (4.0, -2.0),
+                    (4.0, 2.0),
+                    (3.0, 2.0),
+                    (3.0, -3.0),
+                    (12.0, -3.0),
+                    (12.0, 8.0),
+                    (6.0, 8.0),
+                    (6.0, 4.0),
+                    (7.0, 4.0),
+                    (7.0, 7.0),
+                    (11.0, 7.0),
+                    (11.0, -2.0),
+                ],
+                true,
+            ),
+        ] {
+            let shapes = polygon(corners);
+            let pieces = pieces(&shapes, 0.3);
+            let barriers = Barriers::new(&pieces, area, 0.3);
+            let found = barriers.crosses(shapes.iter(), &mut budget());
+            assert_eq!(found, Ok(expected), "{corners:?}");
+        }
+    }
+
+    #[test]
+    fn ends_on_the_same_side_of_the_area_are_parted_in_both_directions() {
+        let area = Rect::new(DVec2::ZERO, DVec2::new(10.0, 6.0));
+        let wall = |from: (f64, f64), to: (f64, f64)| {
+            Shape::from_rect(Rect::new(DVec2::new(from.0, from.1), DVec2::new(to.0, to.1)))
+        };
+        for (wall, a, b) in [
+            (wall((0.2, 2.9), (10.0, 3.1)), (0.0, 5.0), (0.0, 1.0)),
+            (wall((0.0, 2.9), (9.8, 3.1)), (10.0, 5.0), (10.0, 1.0)),
+            (wall((4.9, 0.2), (5.1, 6.0)), (1.0, 0.0), (9.0, 0.0)),
+            (wall((4.9, 0.0), (5.1, 5.8)), (1.0, 6.0), (9.0, 6.0)),
+        ] {
+            let (a, b) = (DVec2::from(a), DVec2::from(b));
+            let pieces = pieces(&[wall], 0.3);
+            let barriers = Barriers::new(&pieces, area, 0.3);
+            for line in [[a, b], [b, a]] {
+                assert_eq!(barriers.join(&[line], &mut budget()), Ok(false), "{line:?}");
+            }
+        }
+    }
+
+    #[test]
     fn the_frame_is_a_barrier() {
         let area = Rect::new(DVec2::splat(-6.0), DVec2::splat(6.0));
         let line = [DVec2::ZERO, DVec2::new(-5.9, 0.0)];
@@ -423,7 +512,7 @@ pub(super) mod tests {
             let pieces = pieces(&wall, radius);
             let barriers = Barriers::new(&pieces, area, radius);
             assert_eq!(barriers.join(&[line], &mut budget()), Ok(expected));
-            assert_eq!(barriers.crosses(&mut budget()), Ok(expected));
+            assert_eq!(barriers.crosses(wall.iter(), &mut budget()), Ok(expected));
         }
     }
 }

@@ -15,6 +15,7 @@ mod piece;
 mod piece_index;
 mod reachability;
 mod squares;
+mod stretches;
 mod windings;
 
 use std::borrow::Cow;
@@ -119,8 +120,10 @@ fn holds(world: &World, claim: &Claim) -> Result<bool, Doubt> {
         Claim::Connected { radius } => start_reaches_goal(world, radius, budget),
         Claim::TreeDistance { distance, torus } => Ok(trees_keep(world, distance, torus)),
         Claim::CrossesWestEast { area, radius, crosses, .. } => {
-            let pieces = Pieces::new(world.solids().map(|solid| solid.shape), radius)?;
-            Ok(Barriers::new(&pieces, area, radius).crosses(budget)? == crosses)
+            let shapes: Vec<_> = reachability::barriers(world).collect();
+            let pieces = Pieces::new(shapes.iter().map(|shape| &**shape), radius)?;
+            let barriers = Barriers::new(&pieces, area, radius);
+            Ok(barriers.crosses(shapes.iter().map(|shape| &**shape), budget)? == crosses)
         }
         Claim::BendRadius { radius } => {
             let mut points = MAX_BEND_POINTS;
@@ -206,6 +209,7 @@ fn trees_keep(world: &World, distance: f64, torus: Option<DVec2>) -> bool {
     let mut rows: BTreeMap<i64, Vec<DVec2>> = BTreeMap::new();
     let mut put = |p: DVec2| rows.entry((p.y / distance).floor() as i64).or_default().push(p);
     for center in world.trees.iter().map(|tree| tree.center) {
+        let center = torus.map_or(center, |size| center - size * (center / size).floor());
         put(center);
         // Trees near the low sides count beyond the high sides too.
         if let Some(size) = torus {
@@ -257,7 +261,8 @@ fn bends_keep(strip: &RoadStrip, radius: f64, points: &mut u64) -> Result<bool, 
         let chord = pose.position.distance(before.position);
         let slack = 1e-9 * (1.0 + pose.position.length());
         before = pose;
-        2.0 * radius * libm::sin(0.5 * angle) <= chord + slack
+        // Twice a huge radius is infinite.
+        libm::sin(0.5 * angle) <= (chord + slack) / (2.0 * radius)
     }))
 }
 
@@ -425,10 +430,18 @@ mod tests {
             let mut world = spec.generate(Seed(seed)).unwrap().to_world();
             let claim = *world.certificate.last().unwrap();
             assert!(verify(&world).contains(&(claim, Verdict::Holds)));
+            // Also beside the torus.
+            let moved = DVec2::new(-123.0, 7.5);
+            world.trees.iter_mut().for_each(|tree| tree.center += moved);
+            world.bounds.min += moved;
+            world.bounds.max += moved;
+            assert!(verify(&world).contains(&(claim, Verdict::Holds)));
             // One tree too near to another, across a corner.
-            world.trees[0].center = DVec2::new(0.5, 0.5);
-            world.trees[1].center = DVec2::new(49.0, 49.0);
-            assert!(verify(&world).contains(&(claim, Verdict::Broken)));
+            for (a, b) in [((0.5, 0.5), (49.0, 49.0)), ((12.0, 5.0), (62.5, 5.0))] {
+                world.trees[0].center = DVec2::from(a);
+                world.trees[1].center = DVec2::from(b);
+                assert!(verify(&world).contains(&(claim, Verdict::Broken)));
+            }
         }
     }
 

@@ -35,7 +35,11 @@ impl<'a> Outlines<'a> {
     /// Whether a point lies in one of the polygons.
     pub(super) fn contain(&self, p: DVec2, budget: &mut Budget) -> Result<bool, Doubt> {
         let near = self.index.at(p);
-        budget.spend(near.len() as u64)?;
+        let corners = |&i: &u32| match &*self.list[i as usize] {
+            Shape::Polygon { vertices } => vertices.len() as u64,
+            _ => 1,
+        };
+        budget.spend(near.iter().map(corners).sum())?;
         Ok(near.iter().any(|&i| self.list[i as usize].contains(p)))
     }
 }

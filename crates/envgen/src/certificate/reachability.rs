@@ -246,9 +246,25 @@ impl Space<'_> {
 
     /// Returns some point of a room at which the disc just fits.
     fn find_any(&self, room: &Shape, budget: &mut Budget) -> Result<Option<DVec2>, Doubt> {
+        self.find_in(room, self.radius + ALIKE, budget)
+    }
+
+    /// Whether there is a point of a room at which the disc does or does not fit, depending on the search's accuracy.
+    fn has_nearly(&self, room: &Shape, budget: &mut Budget) -> Result<bool, Doubt> {
+        let least = self.radius - ALIKE;
+        Ok(least > 0.0 && self.find_in(room, least, budget)?.is_some())
+    }
+
+    /// Returns a point of a room with a clearance of `least`, as [`find`](Self::find).
+    fn find_in(
+        &self,
+        room: &Shape,
+        least: f64,
+        budget: &mut Budget,
+    ) -> Result<Option<DVec2>, Doubt> {
         let bounds = room.bounds();
         let (middle, half) = (bounds.center(), 0.5 * bounds.size().max_element());
-        self.find(room, middle, half, self.radius + ALIKE, budget)
+        self.find(room, middle, half, least, budget)
     }
 
     /// Returns a point of a floor inside a square with a clearance of `least`, searched in the order of falling
@@ -262,6 +278,10 @@ impl Space<'_> {
         least: f64,
         budget: &mut Budget,
     ) -> Result<Option<DVec2>, Doubt> {
+        let corners = match floor {
+            Shape::Polygon { vertices } => vertices.len() as u64,
+            _ => 1,
+        };
         let mut open = BinaryHeap::new();
         let mut parts = vec![(middle, half)];
         open.push((u64::MAX, 0));
@@ -272,6 +292,7 @@ impl Space<'_> {
                 let sign = |bit| if corner & bit == 0 { -half } else { half };
                 let middle = middle + DVec2::new(sign(1), sign(2));
                 let reach = half * std::f64::consts::SQRT_2;
+                budget.spend(corners)?;
                 if floor.distance(middle) > reach {
                     continue;
                 }
@@ -336,6 +357,9 @@ impl<'a> Places<'a> {
     /// Adds some point of a room at which the disc just fits; returns false if there are no such points.
     fn find_any(&mut self, room: &Shape, budget: &mut Budget) -> Result<bool, Doubt> {
         let place = self.space.find_any(room, budget)?;
+        if place.is_none() && self.space.has_nearly(room, budget)? {
+            return Err(Doubt::TooClose);
+        }
         place.into_iter().for_each(|place| self.add(place));
         Ok(place.is_some())
     }

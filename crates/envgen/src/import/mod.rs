@@ -219,7 +219,9 @@ pub fn read_world_generator_library(input: &mut dyn Read) -> Result<Vec<LibraryR
 /// Reads a ROS map, in which unknown cells count as solid.
 #[cfg(feature = "ros")]
 fn world_of_ros_map(input: &mut dyn Read, path: &Path) -> Result<World, ImportError> {
-    let world = ros_map::read_ros_map(input, path)?.to_world(UnknownCells::default());
+    let map = ros_map::read_ros_map(input, path)?;
+    map.check_boxes()?;
+    let world = map.to_world(UnknownCells::default());
     world.check().map_err(FileError::World)?;
     Ok(world)
 }

@@ -34,6 +34,9 @@ const FINE_CELLS: f64 = 0.01;
 /// The least share of pixels for [`unknown_cells_warning`].
 const SUSPECT_SHARE: f64 = 0.01;
 
+/// The greatest number of walls and obstacles of a world that is read from a map.
+const MAX_BOXES: usize = 1 << 22;
+
 /// The reasons why a map could not be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -62,6 +65,15 @@ pub enum RosMapError {
         path: PathBuf,
         /// The cause.
         error: ImageError,
+    },
+    /// The map has too many walls for a world.
+    #[error(
+        "the map has {found} walls and unknown areas, but a world has at most {MAX_BOXES}; filter single cells \
+         out of the map"
+    )]
+    Boxes {
+        /// Number of boxes of cells.
+        found: usize,
     },
 }
 
@@ -342,6 +354,20 @@ impl RosMap {
         }
     }
 
+    /// Checks that the world of a map has at most [`MAX_BOXES`] walls and obstacles.
+    pub(super) fn check_boxes(&self) -> Result<(), RosMapError> {
+        let mut found = 0;
+        for wanted in [RosCell::Occupied, RosCell::Unknown] {
+            let mut below = Vec::new();
+            for cells in self.cells.chunks_exact(self.cols.max(1)) {
+                let runs: Vec<_> = runs_of(cells, wanted).collect();
+                found += runs.iter().filter(|run| below.binary_search(run).is_err()).count();
+                below = runs;
+            }
+        }
+        if found > MAX_BOXES { Err(RosMapError::Boxes { found }) } else { Ok(()) }
+    }
+
     /// Returns rectangles of cells of a state, without overlap. A run of a row that lies over a run of the same
     /// columns is merged with it.
     fn boxes(&self, wanted: RosCell) -> Vec<Cells> {
@@ -352,20 +378,12 @@ impl RosMap {
         for (row, cells) in rows.enumerate() {
             let mut runs = Vec::new();
             let mut below = open.iter().copied().peekable();
-            let mut col = 0;
-            while col < cells.len() {
-                if cells[col] != wanted {
-                    col += 1;
-                    continue;
-                }
-                let end = cells[col..].iter().position(|&cell| cell != wanted);
-                let run = (col, end.map_or(cells.len(), |end| col + end));
+            for run in runs_of(cells, wanted) {
                 while let Some((other, from)) = below.next_if(|(other, _)| other.0 < run.0) {
                     done.push((other, (from, row)));
                 }
                 let same = below.next_if(|(other, _)| *other == run);
                 runs.push((run, same.map_or(row, |(_, from)| from)));
-                col = run.1;
             }
             done.extend(below.map(|(run, from)| (run, (from, row))));
             open = runs;
@@ -374,6 +392,16 @@ impl RosMap {
         let range = |(from, to): (usize, usize)| [from as i64, to as i64];
         done.into_iter().map(|(cols, rows)| (range(cols), range(rows))).collect()
     }
+}
+
+/// Returns the runs of cells of a state in a row, each with its first column and the one after its last.
+fn runs_of(cells: &[RosCell], wanted: RosCell) -> impl Iterator<Item = (usize, usize)> {
+    let mut end = 0;
+    cells.chunk_by(|a, b| a == b).filter_map(move |run| {
+        let start = end;
+        end += run.len();
+        (run[0] == wanted).then_some((start, end))
+    })
 }
 
 /// Returns the image that the description of a map names; `None` if the file is not a description.

@@ -151,7 +151,7 @@ impl fmt::Display for Claim {
                 write!(f, "a disc of radius {} m can reach every room and hallway", short(radius))
             }
             Claim::Headroom { height } => {
-                write!(f, "no doorway is lower than {} m", short(height))
+                write!(f, "no lintel is lower than {} m", short(height))
             }
             Claim::PredictedDifficulty { prediction } => {
                 let [d, m, n] = prediction

@@ -144,6 +144,24 @@ fn unknown_cells_are_solid_or_free() {
 }
 
 #[test]
+fn maps_with_too_many_walls_are_refused() {
+    let side = 3000;
+    let cell = |i: usize| {
+        if (i / side + i % side).is_multiple_of(2) { RosCell::Occupied } else { RosCell::Free }
+    };
+    let (cols, resolution, origin) = (side, 0.05, Pose::default());
+    let cells = (0..side * side).map(cell).collect();
+    let chequered = RosMap { cols, resolution, origin, cells };
+    let error = chequered.check_boxes().unwrap_err().to_string();
+    assert!(error.starts_with("the map has 4500000 walls"), "{error}");
+    // Runs above each other are one wall.
+    let cells = (0..side * side).map(|i| cell(i % side)).collect();
+    let striped = RosMap { cells, ..chequered };
+    striped.check_boxes().unwrap();
+    assert_eq!(striped.to_world(UnknownCells::Solid).walls.len(), 1500);
+}
+
+#[test]
 fn starts_have_room_in_maps_of_tiny_cells() {
     let (side, resolution) = (2000, 0.001);
     let origin = Pose::new(-10.0, -10.0, 0.0);
