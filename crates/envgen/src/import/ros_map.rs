@@ -17,7 +17,7 @@ use crate::export::ros_map::{RESOLUTIONS, RosCell, RosMap};
 use crate::file::{self, FileError};
 use crate::geometry::{Pose, Rect, Shape};
 use crate::occupancy::OccupancyGrid;
-use crate::placement::{max_clearance_point, pose_of_most_clearance};
+use crate::placement::max_clearance_point;
 use crate::provenance::IMPORT;
 use crate::provenance::Provenance;
 use crate::world::{MAX_COORDINATE, Obstacle, ObstacleKind, Wall, WallKind, World};
@@ -30,6 +30,9 @@ const SAVED_UNKNOWN: f64 = 205.0;
 
 /// Cells that are smaller, in metres, are too fine for the distances of a start.
 const FINE_CELLS: f64 = 0.01;
+
+/// The least side in metres of the cells to which they are joined.
+const COARSE_CELLS: f64 = 0.1;
 
 /// The least share of pixels for [`unknown_cells_warning`].
 const SUSPECT_SHARE: f64 = 0.01;
@@ -265,8 +268,8 @@ impl RosMap {
     /// bounds.
     ///
     /// The world's start is the point of greatest clearance in the largest free region, by [`max_clearance_point`],
-    /// or by [`pose_of_most_clearance`] if cells are smaller than 1 cm, heading along the map's rows. There is no start if no cell is free. Another start can be set in
-    /// [`World::start`].
+    /// heading along the map's rows. Cells that are smaller than 1 cm are joined to cells of 10 cm for it. There is no
+    /// start if no cell is free. Another start can be set in [`World::start`].
     pub fn to_world(&self, unknown: UnknownCells) -> World {
         let is_solid = |cell: &RosCell| match cell {
             RosCell::Occupied => true,
@@ -295,15 +298,32 @@ impl RosMap {
         };
         let obstacle = |cells| Obstacle::new(ObstacleKind::Other, self.box_of(cells));
         world.obstacles = inside.into_iter().chain(border).map(obstacle).collect();
-        // Distances of more than 255 cells are all the same, which is near where cells are small.
-        let coarse = self.resolution < FINE_CELLS;
-        let place = coarse.then(|| pose_of_most_clearance(&world).ok().flatten()).flatten();
-        let place = place.map(|pose| pose.position).or_else(|| {
-            let grid = OccupancyGrid::from_cells(DVec2::ZERO, self.resolution, self.cols, solid);
-            max_clearance_point(&grid.ok()?).map(|place| self.origin.to_world(place))
-        });
-        world.start = place.map(|position| Pose { position, heading });
+        world.start = self.roomiest(solid).map(|position| Pose { position, heading });
         world
+    }
+
+    /// Returns the point of greatest clearance in the largest free region. Distances of more than 255 cells are all the
+    /// same, which is near where cells are small, so that these are joined to larger ones first.
+    fn roomiest(&self, solid: Vec<bool>) -> Option<DVec2> {
+        let clear = |cols: usize, resolution: f64, solid: Vec<bool>| {
+            let grid = OccupancyGrid::from_cells(DVec2::ZERO, resolution, cols, solid).ok()?;
+            max_clearance_point(&grid).map(|place| self.origin.to_world(place))
+        };
+        if self.resolution < FINE_CELLS {
+            let joined = (COARSE_CELLS / self.resolution).ceil() as usize;
+            let [cols, rows] = [self.cols, self.rows()].map(|side| side / joined);
+            let cell = |at: usize| {
+                let (col, row) = (at % cols * joined, at / cols * joined);
+                let mut rows = (row..row + joined).map(|row| row * self.cols + col);
+                rows.any(|first| solid[first..first + joined].contains(&true))
+            };
+            let coarse = (0..cols * rows).map(cell).collect();
+            let place = clear(cols, self.resolution * joined as f64, coarse);
+            if place.is_some() {
+                return place;
+            }
+        }
+        clear(self.cols, self.resolution, solid)
     }
 
     /// Returns the boxes of cells around the map that close its border where it is open.
@@ -358,7 +378,7 @@ impl RosMap {
     pub(super) fn check_boxes(&self) -> Result<(), RosMapError> {
         let mut found = 0;
         for wanted in [RosCell::Occupied, RosCell::Unknown] {
-            let mut below = Vec::new();
+            let mut below: Vec<(usize, usize)> = Vec::new();
             for cells in self.cells.chunks_exact(self.cols.max(1)) {
                 let runs: Vec<_> = runs_of(cells, wanted).collect();
                 found += runs.iter().filter(|run| below.binary_search(run).is_err()).count();

@@ -168,6 +168,14 @@ fn starts_have_room_in_maps_of_tiny_cells() {
     let map = RosMap { cols: side, resolution, origin, cells: vec![RosCell::Free; side * side] };
     let start = map.to_world(UnknownCells::Solid).start.unwrap();
     assert!(start.position.distance(DVec2::splat(-9.0)) < 0.15, "{start:?}");
+    // A turned map of a room in the middle of a block, beside which nothing is known.
+    let (side, origin) = (800, Pose::new(0.0, 0.0, std::f64::consts::FRAC_PI_4));
+    let is_free = |i: usize| [i % side, i / side].iter().all(|at| (280..520).contains(at));
+    let cell = |i| if is_free(i) { RosCell::Free } else { RosCell::Occupied };
+    let cells = (0..side * side).map(cell).collect();
+    let turned = RosMap { cols: side, resolution: 0.005, origin, cells };
+    let start = turned.to_world(UnknownCells::Solid).start.unwrap();
+    assert!(start.position.distance(origin.to_world(DVec2::splat(2.0))) < 0.1, "{start:?}");
     // In a room that is too small for the coarser grid.
     let small = RosMap { cols: 50, cells: vec![RosCell::Free; 2500], ..map };
     assert!(small.to_world(UnknownCells::Solid).start.is_some());

@@ -30,8 +30,8 @@ use crate::{json, stdout};
 /// Least fraction of a map's free cells that have to be ground for no warning.
 const LEAST_GROUND: f64 = 0.5;
 
-/// A robot that gets through narrow passages.
-const NARROW: &str = "(length: 0.22, width: 0.22)";
+/// A robot that gets through narrow passages: about the smallest that can be scored.
+const NARROW: &str = "(length: 0.22, width: 0.22, swing_radius: 0.16, laser_offset: 0.0)";
 
 /// Least fraction of a map's walls that have to be near true ones for no warning of the frame: in a wrong frame up to
 /// three tenths were.
@@ -354,4 +354,17 @@ fn text(report: &Report) -> String {
         row(&mut text, "relative error, far", some(scores.relative_error_far), "over 20 m");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mapping_trial::mappable_area::MappableArea;
+
+    #[test]
+    fn the_narrow_robot_is_narrow_and_can_be_scored() {
+        let narrow = Robot::from_ron(NARROW).expect("a robot");
+        assert_eq!(narrow.circumscribed_radius, 0.16);
+        MappableArea::check_robot(&narrow).expect("a size that can be scored");
+    }
 }
