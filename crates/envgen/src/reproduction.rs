@@ -115,7 +115,7 @@ impl fmt::Display for Reproduction {
 
 /// Generates a world again from the spec and the seed in its provenance, and compares the two.
 ///
-/// The [digests](World::digest) are compared, and the certificates unless the world was edited. Whatever the
+/// The [digests](World::digest) are compared, and the certificates: that of an edited plan may lack claims. Whatever the
 /// provenance claims, the cost is bounded by a fixed amount plus a fixed multiple of the world's size.
 ///
 /// ```
@@ -170,8 +170,13 @@ fn compare(world: &World, blueprint: WorldBlueprint) -> Reproduction {
     if generated.digest() != world.digest() {
         return Reproduction::Different;
     }
-    // Of an edited world only what is still kept is promised.
-    if !world.provenance.edited && generated.certificate != world.certificate {
+    let is_same = if world.provenance.edited {
+        // Of an edited world only what is still kept is promised.
+        world.certificate.iter().all(|claim| generated.certificate.contains(claim))
+    } else {
+        generated.certificate == world.certificate
+    };
+    if !is_same {
         return Reproduction::OtherCertificate;
     }
     Reproduction::Same(Box::new(blueprint))
@@ -229,6 +234,7 @@ mod tests {
     use crate::indoor::{Catalogue, IndoorSpec};
     use crate::landscape::LandscapeSpec;
     use crate::seed::Seed;
+    use crate::world::Claim;
     use serde_json::json;
 
     fn forest() -> World {
@@ -284,6 +290,11 @@ mod tests {
             let Reproduction::Same(blueprint) = found else { panic!("{found}") };
             assert_eq!(blueprint.to_world(), *world);
         }
+        let mut claims = world.clone();
+        claims.certificate.push(Claim::AddedDoorway { doorway: 999 });
+        assert_eq!(reproduce(&claims), Reproduction::OtherCertificate);
+        claims.certificate.truncate(1);
+        assert!(matches!(reproduce(&claims), Reproduction::Same(_)));
         let mut fewer = world.clone();
         fewer.provenance.edits.pop();
         assert_eq!(reproduce(&fewer), Reproduction::Different);

@@ -6,6 +6,7 @@
 //! [`MAX_PIECES`], [`MAX_COMPARISONS`], [`MAX_COMPARISONS_PER_PIECE`], [`MAX_BUBBLES`], [`MAX_SQUARES`] and
 //! [`MAX_BEND_POINTS`].
 
+mod bends;
 mod blocked_cells;
 mod bubbles;
 mod budget;
@@ -33,13 +34,14 @@ pub use reachability::{PLACE_MARGIN, Unreached, unreached};
 
 use crate::calibration::{Calibration, Prediction};
 use crate::difficulty::{DifficultyVector, Platform};
+use bends::bends_keep;
 use bubbles::Bubbles;
 use budget::Budget;
 use disc_path::{Barriers, Nearer};
 use piece_index::Pieces;
 
-use crate::geometry::{Rect, wrap_angle};
-use crate::world::{RoadStrip, World};
+use crate::geometry::Rect;
+use crate::world::World;
 
 /// The result of checking a claim. It serialises to its name only, such as `holds`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -236,34 +238,6 @@ fn trees_keep(world: &World, distance: f64, torus: Option<DVec2>) -> bool {
             beside.chain(over).all(|&b| apart(a, b))
         })
     })
-}
-
-/// Whether no bend of a road is tighter than a radius, by the curvatures that the road states and by the points of
-/// its centreline. If the curvature does not exceed 1 / radius and the heading changes by an angle under pi, the
-/// chord is at least 2 radius sin(angle / 2).
-fn bends_keep(strip: &RoadStrip, radius: f64, points: &mut u64) -> Result<bool, Doubt> {
-    let path = strip.path();
-    let stated = strip.centreline.iter().map(|point| point.curvature.abs());
-    let mut stated = stated.chain(path.curves().iter().map(|curve| curve.max_curvature()));
-    if !stated.all(|curvature| curvature * radius <= 1.0 + 1e-9) {
-        return Ok(false);
-    }
-    if radius == 0.0 {
-        return Ok(true);
-    }
-    let parts = (path.length() / (0.5 * radius)).ceil().max(1.0);
-    *points = points.checked_sub(parts as u64).ok_or(Doubt::BendPoints)?;
-    let mut walk = path.walk();
-    let mut before = path.pose_at(0.0);
-    Ok((1..=parts as u64).all(|i| {
-        let (pose, _) = walk.to(path.length() * (i as f64 / parts));
-        let angle = wrap_angle(pose.heading - before.heading).abs();
-        let chord = pose.position.distance(before.position);
-        let slack = 1e-9 * (1.0 + pose.position.length());
-        before = pose;
-        // Twice a huge radius is infinite.
-        libm::sin(0.5 * angle) <= (chord + slack) / (2.0 * radius)
-    }))
 }
 
 #[cfg(test)]
@@ -561,19 +535,6 @@ mod tests {
                 assert_eq!(verify_claims(world, &[claim])[0].1, expected, "{claim:?}");
                 assert!(expected.doubt().unwrap().to_string().starts_with(&format!("`{field}`")));
             }
-        }
-    }
-
-    #[test]
-    fn roads_are_measured_at_a_limited_number_of_points() {
-        let mut world = RoadSpec::default().generate(Seed(1)).unwrap().to_world();
-        for (radius, expected) in [
-            (0.0, Verdict::Holds),
-            (1e-9, Verdict::Undecided(Doubt::BendPoints)),
-            (1e9, Verdict::Broken),
-        ] {
-            world.certificate = vec![Claim::BendRadius { radius }];
-            assert_eq!(verify(&world)[0].1, expected);
         }
     }
 }
