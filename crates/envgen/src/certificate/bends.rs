@@ -6,6 +6,9 @@ use super::budget::Doubt;
 use crate::geometry::wrap_angle;
 use crate::world::RoadStrip;
 
+/// Points of a road that are farther apart than this, in radii, do not show its bends.
+const FAR: f64 = 0.5;
+
 /// Whether no bend of a road is tighter than a radius, by the curvatures that the road states and by points of its
 /// centreline. If the curvature does not exceed 1 / radius and the heading changes by an angle under pi, the
 /// chord is at least 2 radius sin(angle / 2).
@@ -39,7 +42,7 @@ pub(super) fn bends_keep(strip: &RoadStrip, radius: f64, points: &mut u64) -> Re
 
 /// Whether a road of which only points are known has no sharper corners than points of a road without a tighter bend.
 /// Between two points, such a road turns by at most twice the arcsine of half their distance over the radius, and at
-/// either of them it deviates from their chord by at most half of that.
+/// either of them it deviates from their chord by at most half of that. Points count as at most [`FAR`] apart.
 fn corners_keep(strip: &RoadStrip, radius: f64) -> bool {
     let mut points: Vec<DVec2> = strip.centreline.iter().map(|point| point.pose.position).collect();
     if strip.closed {
@@ -49,7 +52,7 @@ fn corners_keep(strip: &RoadStrip, radius: f64) -> bool {
     points.windows(3).all(|corner| {
         let (before, after) = (corner[1] - corner[0], corner[2] - corner[1]);
         let angle = libm::atan2(before.perp_dot(after), before.dot(after)).abs();
-        let most = |leg: DVec2| libm::asin((leg.length() / (2.0 * radius)).min(1.0));
+        let most = |leg: DVec2| libm::asin((leg.length() / radius).min(FAR) / 2.0);
         let slack = 1e-9 * (1.0 + corner[1].length()) / before.length().min(after.length());
         angle <= most(before) + most(after) + slack
     })
@@ -102,8 +105,10 @@ mod tests {
         assert!(!keeps(&road(&zigzag, false), 10.0));
         let bent = [DVec2::ZERO, DVec2::new(50.0, 0.0), DVec2::new(94.0, 23.5)];
         assert!(!keeps(&road(&bent, false), 500.0) && keeps(&road(&bent, false), 90.0));
+        let sharp = [DVec2::ZERO, DVec2::new(50.0, 0.0), DVec2::new(50.0, 50.0)];
+        assert!(!keeps(&road(&sharp, false), 10.0));
         // Points of a circle, whatever their distances.
-        for count in [7, 60, 1000] {
+        for count in [15, 60, 1000] {
             let at = |i: i32| {
                 let turn = std::f64::consts::TAU * f64::from(i) / f64::from(count);
                 20.0 * crate::geometry::unit_vector(
