@@ -168,7 +168,7 @@ fn starts_have_room_in_maps_of_tiny_cells() {
     let map = RosMap { cols: side, resolution, origin, cells: vec![RosCell::Free; side * side] };
     let start = map.to_world(UnknownCells::Solid).start.unwrap();
     assert!(start.position.distance(DVec2::splat(-9.0)) < 0.15, "{start:?}");
-    // A turned map of a room in the middle of a block, beside which nothing is known.
+    // A turned map of a room in the middle of a block, with nothing around it.
     let (side, origin) = (800, Pose::new(0.0, 0.0, std::f64::consts::FRAC_PI_4));
     let is_free = |i: usize| [i % side, i / side].iter().all(|at| (280..520).contains(at));
     let cell = |i| if is_free(i) { RosCell::Free } else { RosCell::Occupied };
