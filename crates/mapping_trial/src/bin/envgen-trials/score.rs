@@ -162,7 +162,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let gaps = Gaps::of(truth);
         if let Some((start, end)) = gaps.longest() {
             warn(&format!(
-                "{}: no true pose between {start} s and {end} s: estimated poses in {} of such gaps are not scored",
+                "{}: true poses are missing, for the longest time from {start} s to {end} s: estimated poses in gaps are \
+                 not scored (gaps: {})",
                 path.display(),
                 gaps.count()
             ));
