@@ -115,8 +115,8 @@ impl fmt::Display for Reproduction {
 
 /// Generates a world again from the spec and the seed in its provenance, and compares the two.
 ///
-/// The [digests](World::digest) are compared, and the certificates: that of an edited plan may lack claims. Whatever the
-/// provenance claims, the cost is bounded by a fixed amount plus a fixed multiple of the world's size.
+/// The [digests](World::digest) are compared, and the certificates: that of an edited plan may lack claims. Whatever
+/// the provenance claims, the cost is bounded by a fixed amount plus a fixed multiple of the world's size.
 ///
 /// ```
 /// use envgen::reproduction::{Reproduction, reproduce};

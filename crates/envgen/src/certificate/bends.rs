@@ -9,6 +9,9 @@ use crate::world::RoadStrip;
 /// Points of a road that are farther apart than this, in radii, do not show its bends.
 const FAR: f64 = 0.5;
 
+/// Points of a road that are this near to each other, as a share of their coordinates, count as one.
+const SAME: f64 = 1e-6;
+
 /// Whether no bend of a road is tighter than a radius, by the curvatures that the road states and by points of its
 /// centreline. If the curvature does not exceed 1 / radius and the heading changes by an angle under pi, the
 /// chord is at least 2 radius sin(angle / 2).
@@ -48,7 +51,8 @@ fn corners_keep(strip: &RoadStrip, radius: f64) -> bool {
     if strip.closed {
         points.extend_from_within(..points.len().min(2));
     }
-    points.dedup();
+    // Points that are the same but for rounding have no direction between them.
+    points.dedup_by(|b, a| a.distance(*b) <= SAME * (1.0 + a.length()));
     points.windows(3).all(|corner| {
         let (before, after) = (corner[1] - corner[0], corner[2] - corner[1]);
         let angle = libm::atan2(before.perp_dot(after), before.dot(after)).abs();
@@ -107,6 +111,9 @@ mod tests {
         assert!(!keeps(&road(&bent, false), 500.0) && keeps(&road(&bent, false), 90.0));
         let sharp = [DVec2::ZERO, DVec2::new(50.0, 0.0), DVec2::new(50.0, 50.0)];
         assert!(!keeps(&road(&sharp, false), 10.0));
+        // A side that is next to nothing hides no corner.
+        let hidden = [sharp[0], sharp[1], sharp[1] + DVec2::splat(1e-9), sharp[2]];
+        assert!(!keeps(&road(&hidden, false), 10.0));
         // Points of a circle, whatever their distances.
         for count in [15, 60, 1000] {
             let at = |i: i32| {

@@ -127,26 +127,10 @@ impl<'a> Barriers<'a> {
             Ok(windings.are_joined(south, north))
         };
         let (low, high) = (self.area.min.y, self.area.max.y);
-        let mut first = 0;
-        for shape in shapes {
-            let Shape::Polygon { vertices } = shape else {
-                first += 1;
-                continue;
-            };
-            budget.spend(2 * vertices.len() as u64)?;
-            for x in [self.area.min.x, self.area.max.x] {
-                for ends in stretches(vertices, x, [low, high]) {
-                    let between = ends.map(|end| match end {
-                        End::Side(side) => first + side,
-                        End::Low => south,
-                        End::High => north,
-                    });
-                    if visit(between, Nearer::Yes)? {
-                        return Ok(false);
-                    }
-                }
+        for between in self.interiors(shapes, [south, north], budget)? {
+            if visit(between, Nearer::Yes)? {
+                return Ok(false);
             }
-            first += vertices.len();
         }
         for (i, piece) in self.pieces.list().iter().enumerate() {
             budget.spend(1)?;
@@ -183,6 +167,32 @@ impl<'a> Barriers<'a> {
             return Err(Doubt::TooClose);
         }
         Ok(crosses)
+    }
+
+    /// Returns what the interiors of polygons join along the area's west and east side: two of their sides, or a side
+    /// and one of the area's sides, whose numbers are given.
+    fn interiors<'b>(
+        &self,
+        shapes: impl Iterator<Item = &'b Shape>,
+        [south, north]: [usize; 2],
+        budget: &mut Budget,
+    ) -> Result<Vec<[usize; 2]>, Doubt> {
+        let Rect { min, max } = self.area;
+        let (mut joined, mut first) = (Vec::new(), 0);
+        for shape in shapes {
+            if let Shape::Polygon { vertices } = shape {
+                budget.spend(2 * vertices.len() as u64)?;
+                let number = |end| match end {
+                    End::Side(side) => first + side,
+                    End::Low => south,
+                    End::High => north,
+                };
+                let ends = [min.x, max.x].map(|x| stretches(vertices, x, [min.y, max.y]));
+                joined.extend(ends.into_iter().flatten().map(|ends| ends.map(number)));
+            }
+            first += Piece::count(shape);
+        }
+        Ok(joined)
     }
 
     /// Whether ground that two barriers share, as near as `nearer` at a place, has a part between the lines of the

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use glam::DVec2;
 
 use super::budget::{Budget, Doubt};
+use super::piece::Piece;
 use crate::geometry::{Rect, Shape};
 use crate::grid::{Convex, GridIndex, index_area};
 
@@ -35,11 +36,8 @@ impl<'a> Outlines<'a> {
     /// Whether a point lies in one of the polygons.
     pub(super) fn contain(&self, p: DVec2, budget: &mut Budget) -> Result<bool, Doubt> {
         let near = self.index.at(p);
-        let corners = |&i: &u32| match &*self.list[i as usize] {
-            Shape::Polygon { vertices } => vertices.len() as u64,
-            _ => 1,
-        };
-        budget.spend(near.iter().map(corners).sum())?;
+        let cost = |&i: &u32| Piece::count(&self.list[i as usize]) as u64;
+        budget.spend(near.iter().map(cost).sum())?;
         Ok(near.iter().any(|&i| self.list[i as usize].contains(p)))
     }
 }

@@ -23,6 +23,14 @@ pub(super) struct Gap {
 }
 
 impl Piece {
+    /// The number of pieces of a shape, which is also what looking at all of it costs.
+    pub(super) fn count(shape: &Shape) -> usize {
+        match shape {
+            Shape::Polygon { vertices } => vertices.len(),
+            _ => 1,
+        }
+    }
+
     /// Calls `visit` with the pieces of a shape. A polygon becomes its sides, which separate inside from outside as
     /// well as the whole polygon does.
     pub(super) fn of(shape: &Shape, mut visit: impl FnMut(Piece)) {

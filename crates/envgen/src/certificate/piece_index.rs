@@ -34,11 +34,7 @@ impl Pieces {
     ) -> Result<Self, Doubt> {
         let mut list = Vec::new();
         for shape in shapes {
-            let sides = match shape.borrow() {
-                Shape::Polygon { vertices } => vertices.len(),
-                _ => 1,
-            };
-            if list.len() + sides > MAX_PIECES {
+            if list.len() + Piece::count(shape.borrow()) > MAX_PIECES {
                 return Err(Doubt::Pieces);
             }
             Piece::of(shape.borrow(), |piece| list.push(piece));

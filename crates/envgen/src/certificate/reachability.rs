@@ -278,10 +278,7 @@ impl Space<'_> {
         least: f64,
         budget: &mut Budget,
     ) -> Result<Option<DVec2>, Doubt> {
-        let corners = match floor {
-            Shape::Polygon { vertices } => vertices.len() as u64,
-            _ => 1,
-        };
+        let cost = Piece::count(floor) as u64;
         let mut open = BinaryHeap::new();
         let mut parts = vec![(middle, half)];
         open.push((u64::MAX, 0));
@@ -292,7 +289,7 @@ impl Space<'_> {
                 let sign = |bit| if corner & bit == 0 { -half } else { half };
                 let middle = middle + DVec2::new(sign(1), sign(2));
                 let reach = half * std::f64::consts::SQRT_2;
-                budget.spend(corners)?;
+                budget.spend(cost)?;
                 if floor.distance(middle) > reach {
                     continue;
                 }
