@@ -7,6 +7,7 @@
 //! 13 and 14).
 
 mod components;
+mod fraction;
 mod measure;
 mod order;
 mod rank;
@@ -21,14 +22,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 pub use components::{Component, Components, Factorial, MeasureComponents, components};
+pub(crate) use fraction::fraction;
 pub use measure::{MEASURES, MapValues, Measure, map_values};
 pub use order::{Mean, Order, Verdict, order};
 pub(crate) use order::{half_interval, mean_and_half};
 pub(crate) use rank::pearson;
 pub(super) use rank::ranks;
 pub use rank::{Null, spearman};
+pub(crate) use resample::bootstrap;
 pub use resample::{Interval, RESAMPLES};
-pub(crate) use resample::{bootstrap, fraction};
 pub use rules::{FEATURES, Feature, FeatureEffect, Slope, effects};
 pub use triples::{Relative, relative};
 pub use variance::{Shares, shares};
