@@ -48,8 +48,8 @@ struct Report {
     /// Description of the world, such as `indoor, seed 3`.
     world: String,
     measurement: Measurement,
-    /// Percentage of the worlds that are easier in the atlas of the prediction, by each dial; absent for panels other than the
-    /// reference panel, and for kinds that are not calibrated.
+    /// Percentage of the worlds that are easier in the atlas of the prediction, by each dial; absent for panels other
+    /// than the reference panel, and for kinds that are not calibrated.
     percentiles: Option<Dials<f64>>,
     /// The prediction of the calibration; absent for panels other than the reference panel, for kinds
     /// that are not calibrated, and for worlds without a difficulty vector.

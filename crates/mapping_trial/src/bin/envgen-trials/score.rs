@@ -61,7 +61,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "X,Y,HEADING", value_parser = start, allow_hyphen_values = true)]
     start: Option<Pose>,
 
-    /// Moves the map to where its walls match those of the world best, by at most 1.5 m.
+    /// Moves the map to where its walls match those of the world best, by at most 1.5 m and 17 degrees.
     #[arg(long)]
     fit: bool,
 
@@ -153,19 +153,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         );
         return Err(Usage(error).into());
     }
-    let robots = estimated.iter().zip(truth);
-    let robots = robots.map(|(estimated, truth)| Ok((read_tum(estimated)?, read_tum(truth)?)));
-    let robots: Vec<(Vec<TimedPose>, Vec<TimedPose>)> =
-        robots.collect::<Result<_, Box<dyn Error>>>()?;
-
-    for ((_, truth), path) in robots.iter().zip(&arguments.truth) {
-        let gaps = Gaps::of(truth);
-        if let Some((start, end)) = gaps.longest() {
+    let tracks = estimated.iter().zip(truth);
+    let tracks =
+        tracks.map(|(estimated, truth)| Ok(Track::new(read_tum(estimated)?, read_tum(truth)?)));
+    let tracks: Vec<Track> = tracks.collect::<Result<_, Box<dyn Error>>>()?;
+    for (track, path) in tracks.iter().zip(&arguments.truth) {
+        if let Some((start, end)) = track.gaps.longest() {
+            let (path, count) = (path.display(), track.gaps.count());
             warn(&format!(
-                "{}: true poses are missing, for the longest time from {start} s to {end} s: estimated poses in gaps are \
-                 not scored (gaps: {})",
-                path.display(),
-                gaps.count()
+                "{path}: true poses are missing, for the longest time from {start} s to {end} s: estimated poses in \
+                 gaps are not scored (gaps: {count})"
             ));
         }
     }
@@ -181,8 +178,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let own = OccupancyMap::from_ros_map(&ros_map, Pose::default()).in_file(path)?;
         frame = fit(&reference, &own, frame);
     }
-    let map = OccupancyMap::from_ros_map(&ros_map, frame).in_file(path)?;
-    let drawn = map;
+    let drawn = OccupancyMap::from_ros_map(&ros_map, frame).in_file(path)?;
     let map = MapScores::of(&reference, &drawn);
     let mut is_ground = ground_share(&ros_map, &map);
     if is_ground < LEAST_GROUND {
@@ -192,7 +188,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             is_ground = is_ground.max(ground_share(&ros_map, &MapScores::of(&open, &drawn)));
         }
     }
-    let trajectory = if robots.is_empty() { None } else { Some(score(&robots, frame)?) };
+    let trajectory = if tracks.is_empty() { None } else { Some(score(&tracks, frame)?) };
     spinner.finish_and_clear();
     let has = |cell| ros_map.cells.contains(&cell);
     if !has(RosCell::Free) {
@@ -218,8 +214,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         ));
     }
 
-    for ((estimated, truth), path) in robots.iter().zip(&arguments.trajectory) {
-        let missing = missing_share(estimated, truth);
+    for (track, path) in tracks.iter().zip(&arguments.trajectory) {
+        let missing = missing_share(&track.estimated, &track.truth);
         if missing > MOST_MISSING {
             warn(&format!(
                 "{}: no pose for {:.0} % of the true path: errors there do not count",
@@ -251,26 +247,35 @@ fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {
     Ok(tum::read(&text_file::read(path).in_file(path)?).in_file(path)?)
 }
 
+/// The trajectories of a robot.
+struct Track {
+    estimated: Vec<TimedPose>,
+    truth: Vec<TimedPose>,
+    gaps: Gaps,
+}
+
+impl Track {
+    fn new(estimated: Vec<TimedPose>, truth: Vec<TimedPose>) -> Self {
+        let gaps = Gaps::of(&truth);
+        Track { estimated, truth, gaps }
+    }
+
+    /// The true poses that are known at the times of estimated ones, with these.
+    fn pairs(&self) -> (Vec<Pose>, Vec<Pose>) {
+        let times = self.estimated.iter().map(|pose| pose.time);
+        let known = tum::at_times(&self.truth, times).zip(&self.estimated);
+        let known = known.filter(|(_, estimated)| !self.gaps.contain(estimated.time));
+        known.filter_map(|(truth, estimated)| Some((truth?, estimated.pose))).unzip()
+    }
+}
+
 /// Scores the estimated poses of each robot against the true ones at the same times. All estimates are
 /// in the frame of the map.
-fn score(
-    robots: &[(Vec<TimedPose>, Vec<TimedPose>)],
-    frame: Pose,
-) -> Result<Trajectory, Box<dyn Error>> {
-    let mut pairs: Vec<(Vec<Pose>, Vec<Pose>)> = Vec::new();
-    for (estimated, truth) in robots {
-        let times = estimated.iter().map(|pose| pose.time);
-        let gaps = Gaps::of(truth);
-        let known = tum::at_times(truth, times).zip(estimated);
-        let known = known.filter(|(_, estimated)| !gaps.contain(estimated.time));
-        let known = known.filter_map(|(truth, estimated)| Some((truth?, estimated.pose)));
-        let pair: (Vec<Pose>, Vec<Pose>) = known.unzip();
-        if pair.0.is_empty() {
-            return Err(
-                "--trajectory and --truth have no time in common, without gaps: both need the same clock".into(),
-            );
-        }
-        pairs.push(pair);
+fn score(tracks: &[Track], frame: Pose) -> Result<Trajectory, Box<dyn Error>> {
+    let pairs: Vec<(Vec<Pose>, Vec<Pose>)> = tracks.iter().map(Track::pairs).collect();
+    if pairs.iter().any(|(truth, _)| truth.is_empty()) {
+        let error = "--trajectory and --truth have no time in common outside gaps: both need the same clock";
+        return Err(error.into());
     }
     let scores = |frame: Pose| {
         // The world's own frame changes no bit.
@@ -287,7 +292,7 @@ fn score(
     let (truth, estimated): (Vec<Vec<Pose>>, Vec<Vec<Pose>>) = pairs.iter().cloned().unzip();
     let (truth, estimated) = (truth.concat(), estimated.concat());
     let best = alignment(&TrajectoryPair { truth: &truth, estimated: &estimated });
-    let given: usize = robots.iter().map(|(estimated, _)| estimated.len()).sum();
+    let given: usize = tracks.iter().map(|track| track.estimated.len()).sum();
     Ok(Trajectory {
         poses: truth.len(),
         outside: given - truth.len(),
