@@ -2,8 +2,8 @@
 //!
 //! Where the surface of a wall lies on a border of score cells, its echoes fall on either side, and the cells beside
 //! it hardly become free: the same world would be more difficult at one place than at another. Generated worlds are
-//! measured where they are, as are the anchors and the worlds of atlases; walls of most generated indoor maps lie in the
-//! middle of cells.
+//! measured where they are, as are the anchors and the worlds of atlases; walls of most generated indoor maps lie in
+//! the middle of cells.
 
 use std::borrow::Cow;
 
@@ -19,9 +19,9 @@ const NEAR: f64 = 0.125;
 /// How parallel to an axis a surface is, as the greatest slope of its normal.
 const PARALLEL: f64 = 1e-3;
 
-/// Returns a world of another tool, or one that was edited, moved along each axis by nothing or by half a score cell, so
-/// that fewer of the walls that a robot can see lie on borders of cells. Roads and landscapes stay where they are, and
-/// so do worlds in which the robot does not fit.
+/// Returns a world of another tool, or one that was edited, moved along each axis by nothing or by half a score cell,
+/// so that fewer of the walls that a robot can see lie on borders of cells. Roads and landscapes stay where they are,
+/// and so do worlds in which the robot does not fit.
 pub(super) fn placed<'a>(world: &'a World, robot: &Robot) -> Cow<'a, World> {
     let made = world.provenance.original();
     let is_generated = made.kind.parse::<WorldKind>().is_ok() && !made.edited;

@@ -6,6 +6,7 @@ use envgen::calibration::Dials;
 
 use super::panel::Panel;
 use crate::experiment::survey::Condition;
+use crate::slam::SlamKind;
 
 /// Mean scores, and the variances by noise alone at these scores: those within a map and a condition,
 /// of 5,808 degrees of freedom, in maps of 8 x 8 and 10 x 10 cells (`difficulty_proof`), each trial
@@ -57,10 +58,14 @@ static REFERENCE: LazyLock<Panel> = LazyLock::new(Panel::reference);
 
 /// Returns the usual variance of each dial by noise alone, for a mean score under a condition.
 pub(super) fn usual_variance_under(condition: &Condition, scores: Dials<f64>) -> Dials<f64> {
-    // Policies do not matter: the noise is also that of one that is not in the panel.
+    // The noise is also that of a policy that is not in the panel, and within a tenth that of `pose_graph`.
     let is_usual = REFERENCE.conditions.iter().any(|usual| {
         let (name, policy) = (condition.name.clone(), condition.policy);
-        Condition { name, policy, ..usual.clone() } == *condition
+        let slam = match condition.slam {
+            SlamKind::PoseGraph => SlamKind::PoseGraph,
+            SlamKind::ScanToMap | SlamKind::DeadReckoning => usual.slam,
+        };
+        Condition { name, policy, slam, ..usual.clone() } == *condition
     });
     let usual = usual_variance(scores);
     if is_usual {
@@ -90,21 +95,23 @@ fn usual_variance(scores: Dials<f64>) -> Dials<f64> {
 mod tests {
     use super::*;
     use crate::odometry::OdometryProfile;
-    use crate::slam::SlamKind;
+    use crate::policy::PolicyKind;
+    use crate::robot::Robot;
 
     #[test]
     fn other_conditions_have_more_noise() {
         let scores = Dials { difficulty: 3.5, mapping: 0.0, navigation: 3.5 };
         for usual in &Panel::reference().conditions {
             assert_eq!(usual_variance_under(usual, scores), usual_variance(scores));
-            let tour = Condition { policy: crate::policy::PolicyKind::Tour, ..usual.clone() };
-            assert_eq!(usual_variance_under(&tour, scores), usual_variance(scores));
+            let tour = Condition { policy: PolicyKind::Tour, ..usual.clone() };
+            let graph = Condition { slam: SlamKind::PoseGraph, ..usual.clone() };
+            for known in [tour, graph] {
+                assert_eq!(usual_variance_under(&known, scores), usual_variance(scores));
+            }
             let driven = Condition { driver: Some("driver".to_owned()), ..usual.clone() };
-            let small = Condition {
-                robot: crate::robot::Robot { length: 0.3, ..usual.robot.clone() },
-                ..usual.clone()
-            };
-            let estimator = Condition { slam: SlamKind::PoseGraph, ..usual.clone() };
+            let small =
+                Condition { robot: Robot { length: 0.3, ..usual.robot.clone() }, ..usual.clone() };
+            let estimator = Condition { slam: SlamKind::DeadReckoning, ..usual.clone() };
             let odometry = OdometryProfile::default();
             let rough = OdometryProfile { b_t: 0.5, ..odometry };
             let wheels = Condition { odometry: rough, ..usual.clone() };

@@ -27,9 +27,9 @@ const FARTHEST: (f64, f64) = (1.5, 0.3);
 /// world's, near a first guess.
 ///
 /// `map` is in its own frame. From the guess, the search climbs in steps that become smaller. It finds
-/// a frame that is up to about a metre and ten degrees away, and none that is turned by more than 17 degrees,
-/// or that shifts both its origin and the middle of the map's walls by more than 1.5 m; of frames that look alike, it finds the first. A map
-/// without walls stays where it is.
+/// a frame that is up to about a metre and ten degrees away, and none that is turned by more than 17
+/// degrees, or that shifts both its origin and the middle of the map's walls by more than 1.5 m. Of frames
+/// that look alike, it finds the first. A map without walls stays where it is.
 ///
 /// ```
 /// use envgen::geometry::Pose;

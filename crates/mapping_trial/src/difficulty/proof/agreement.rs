@@ -27,8 +27,8 @@ pub struct Agreement {
     pub near: Option<Interval>,
 }
 
-/// Compares values map by map, with 95 % intervals by the bootstrap over maps, which are too narrow for a few maps. Nothing
-/// is known for lists of different lengths, without maps, or if a value is not finite.
+/// Compares values map by map, with 95 % intervals by the bootstrap over maps, which are too narrow for a
+/// few maps. Nothing is known for lists of different lengths, without maps, or if a value is not finite.
 ///
 /// ```
 /// use mapping_trial::difficulty::proof::agreement;
