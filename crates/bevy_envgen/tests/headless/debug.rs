@@ -106,6 +106,7 @@ const PRIVATE: &[&str] = &[
     "bevy_envgen::job::GenerationJob",
     "bevy_envgen::job::PendingEvents",
     "bevy_envgen::job::SpawnedTiles",
+    "bevy_envgen::physics::turned::Corrected",
     "bevy_envgen::scenario::run::LastRequest",
     "bevy_envgen::streaming::Streaming",
     "bevy_envgen::systems::EnvgenSchedules",
