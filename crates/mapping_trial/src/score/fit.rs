@@ -154,16 +154,9 @@ mod tests {
 
     #[test]
     fn a_map_is_not_moved_along_a_corridor() {
-        let truth = Reference::new(&room(60.0, 3.0), &Robot::default()).expect("free space");
-        let mut map = truth.perfect_map().to_ros_map().expect("small");
-        // Without its ends, a corridor fits everywhere.
-        let wide = map.cols;
-        for (i, cell) in map.cells.iter_mut().enumerate() {
-            if !(wide / 3..2 * wide / 3).contains(&(i % wide)) {
-                *cell = envgen::export::ros_map::RosCell::Unknown;
-            }
-        }
-        let own = OccupancyMap::from_ros_map(&map, Pose::default()).expect("small");
+        let truth = Reference::new(&room(40.0, 2.0), &Robot::default()).expect("free space");
+        let own = truth.perfect_map();
+        // Each step towards the ends fits better, but a frame that is so wrong is not nearly known.
         for off in [6.0, -12.0] {
             let found = fit(&truth, &own, Pose::new(off, 0.3, 0.0)).position;
             assert!((found.x - off).abs() < 1.6 && found.y.abs() < 0.1, "{found}");
