@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::budget::Doubt;
-use crate::geometry::wrap_angle;
+use crate::geometry::{Pose, wrap_angle};
 use crate::world::RoadStrip;
 
 /// Points of a road that are farther apart than this, in radii, do not show its bends.
@@ -31,16 +31,18 @@ pub(super) fn bends_keep(strip: &RoadStrip, radius: f64, points: &mut u64) -> Re
     let parts = (path.length() / (0.5 * radius)).ceil().max(1.0);
     *points = points.checked_sub(parts as u64).ok_or(Doubt::BendPoints)?;
     let mut walk = path.walk();
-    let mut before = path.pose_at(0.0);
-    Ok((1..=parts as u64).all(|i| {
-        let (pose, _) = walk.to(path.length() * (i as f64 / parts));
+    let start = path.pose_at(0.0);
+    let mut before = start;
+    let mut is_wide = |pose: Pose| {
         let angle = wrap_angle(pose.heading - before.heading).abs();
         let chord = pose.position.distance(before.position);
         let slack = 1e-9 * (1.0 + pose.position.length());
         before = pose;
         // Twice a huge radius is infinite.
-        libm::sin(0.5 * angle) <= (chord + slack) / (2.0 * radius)
-    }))
+        libm::sin(0.5 * angle) <= (chord + slack) / (2.0 * radius) + 1e-9
+    };
+    let along = (1..=parts as u64).all(|i| is_wide(walk.to(path.length() * (i as f64 / parts)).0));
+    Ok(along && (!strip.closed || is_wide(start)))
 }
 
 /// Whether a road of which only points are known has no sharper corners than points of a road without a tighter bend.
@@ -66,9 +68,9 @@ fn corners_keep(strip: &RoadStrip, radius: f64) -> bool {
 mod tests {
     use super::*;
     use crate::certificate::{Claim, Verdict, verify};
+    use crate::curve::Curve;
     use crate::generate::{Blueprint, Spec};
-    use crate::geometry::Pose;
-    use crate::road::RoadSpec;
+    use crate::road::{Prefab, RoadSpec};
     use crate::seed::Seed;
     use crate::world::{RoadPoint, World};
 
@@ -126,6 +128,38 @@ mod tests {
             for closed in [true, false] {
                 let road = road(&circle, closed);
                 assert!(keeps(&road, 20.0) && !keeps(&road, 21.0), "{count} points");
+            }
+        }
+    }
+
+    #[test]
+    fn the_place_where_a_circuit_closes_is_a_bend() {
+        let keeps = |mut world: World| {
+            world.certificate = vec![Claim::BendRadius { radius: 10.0 }];
+            verify(&world)[0].1 == Verdict::Holds
+        };
+        // A drop: two lines that meet in a corner, and the arc around their other ends.
+        let drop = |closed| {
+            let mut world = road(&[], closed);
+            let start = Pose { position: DVec2::ZERO, heading: -0.5 };
+            let line = Curve::line(start, 50.0);
+            let radius = 50.0 * libm::tan(0.5);
+            let arc = Curve::arc(line.end(), radius * (std::f64::consts::PI + 1.0), radius.recip());
+            let back = Curve::line(arc.end(), 50.0);
+            assert!(back.end().position.length() < 1e-9);
+            world.road_strips[0].pieces = vec![line, arc, back];
+            world
+        };
+        assert!(keeps(drop(false)) && !keeps(drop(true)));
+        for transition in [0.0, 0.3] {
+            let prefabs = [Prefab::Straight, Prefab::Left].repeat(4);
+            let spec =
+                RoadSpec { prefabs, closed: true, speed: 10.0, transition, ..Default::default() };
+            for seed in 0..5 {
+                let world = spec.generate(Seed(seed)).unwrap().to_world();
+                let verdicts: Vec<Verdict> =
+                    verify(&world).into_iter().map(|(_, verdict)| verdict).collect();
+                assert_eq!(verdicts, [Verdict::Holds; 2], "seed {seed}");
             }
         }
     }
