@@ -37,7 +37,7 @@ pub enum TrialError {
     },
     /// A solid part is too near to the start.
     #[error(
-        "a start at ({}, {}) is {clearance:.3} m from the nearest solid part, expected at least {radius} m",
+        "a start at ({}, {}) is {clearance:.6} m from the nearest solid part, expected at least {radius} m",
         start.position.x, start.position.y
     )]
     BlockedStart {

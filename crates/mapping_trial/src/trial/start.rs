@@ -17,6 +17,10 @@ const APART: f64 = 1.0;
 /// Greatest distance of other starts from the first robot's, in metres.
 const FAR: f64 = 8.0;
 
+/// A start may be this much nearer to solid parts in metres, by rounding: as much as the simulators leave between
+/// parts that touch.
+const ROUNDING: f64 = 1e-6;
+
 /// The people and the leaves of doors of a scenario, where they are when a trial begins.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Moving<'a> {
@@ -49,7 +53,7 @@ pub(super) fn starts(
     let near = ClearanceIndex::within(world, radius + 0.1, body.extent()?)?;
     let grounds = SurfaceIndex::new(world);
     let clearance = near.clearance(start.position);
-    if clearance < radius {
+    if clearance < radius - ROUNDING {
         return Err(TrialError::BlockedStart { start, clearance, radius });
     }
     if grounds.at(start.position).is_barrier() {
@@ -57,13 +61,13 @@ pub(super) fn starts(
     }
     let to_person = |p: DVec2, person: &Person| person.position.distance(p);
     let least = radius + PERSON_RADIUS;
-    let is_met = |person: &Person| to_person(start.position, person) < least;
+    let is_met = |person: &Person| to_person(start.position, person) < least - ROUNDING;
     if let Some(person) = people.iter().position(is_met) {
         let distance = to_person(start.position, &people[person]);
         return Err(TrialError::OccupiedStart { start, person, distance, least });
     }
     let to_leaf = |p: DVec2, leaf: &Leaf| leaf.nearest_point(p).distance(p);
-    let is_met = |(_, leaf): &&(usize, Leaf)| to_leaf(start.position, leaf) < radius;
+    let is_met = |(_, leaf): &&(usize, Leaf)| to_leaf(start.position, leaf) < radius - ROUNDING;
     if let Some(&(door, ref leaf)) = leaves.iter().find(is_met) {
         let distance = to_leaf(start.position, leaf);
         return Err(TrialError::StartOnDoor { start, door, distance, radius });
@@ -161,12 +165,25 @@ mod tests {
                 .to_string()
         };
         let text = error(&world, 0.1, 1);
-        assert!(text.contains("(0.1, 0.5)") && text.contains("0.100 m"), "{text}");
+        assert!(text.contains("(0.1, 0.5)") && text.contains("0.100000 m"), "{text}");
         assert!(error(&world, 1.5, 6).contains("6 robots"), "{}", error(&world, 1.5, 6));
         let shape = Shape::from_rect(world.bounds);
         let kind = SurfaceKind::Water;
         world.surfaces.push(Surface { speed: 0.0, ..Surface::new(kind, shape) });
         assert!(error(&world, 1.5, 1).contains("cannot drive"));
+    }
+
+    #[test]
+    fn a_start_where_a_robot_touches_a_wall_is_free() {
+        let body = Robot::default();
+        let world = room(DVec2::new(3.0, 3.0));
+        let start = |gap: f64| {
+            let start = Pose::new(body.circumscribed_radius + gap, 1.5, 0.0);
+            starts(&world, start, 1, &body, &Moving::default())
+        };
+        assert!(start(0.0).is_ok() && start(-1e-9).is_ok());
+        let error = start(-2e-6).expect_err("in the wall").to_string();
+        assert!(error.contains(&format!("{:.6} m", body.circumscribed_radius - 2e-6)), "{error}");
     }
 
     #[test]
