@@ -7,6 +7,7 @@
 //! 13 and 14).
 
 mod components;
+mod factorial;
 mod fraction;
 mod measure;
 mod order;
@@ -21,7 +22,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-pub use components::{Component, Components, Factorial, MeasureComponents, components};
+pub use components::{Component, Components, MeasureComponents, components};
+pub use factorial::Factorial;
 pub(crate) use fraction::fraction;
 pub use measure::{MEASURES, MapValues, Measure, map_values};
 pub use order::{Mean, Order, Verdict, order};
