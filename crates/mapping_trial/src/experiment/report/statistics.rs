@@ -36,8 +36,7 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
              the noise. D1, M1, N1 and the parts that end in 1 are score 1. Where the variance of single \
              trials comes from is estimated with crossed factors (maps of all levels by policies), if \
              trials are repeated; signal to noise is the variance of maps over that of noise and of all \
-             interactions with the map. In simulations, bootstrap intervals of these contain the truth in 83 \
-             to 90 % of cases, and miss it mostly by being too low."
+             interactions with the map. The intervals of these are jackknives over maps."
         }
     }
 }

@@ -27,10 +27,27 @@ impl Factorial {
         let names = self.factors.iter().enumerate().filter(|(factor, _)| set >> factor & 1 == 1);
         names.map(|(_, name)| *name).collect::<Vec<_>>().join(" x ")
     }
+
+    /// The number of trials of each level of a component, as by [`Self::effect`]; 1 for noise.
+    pub(super) fn trials_per_level(&self, component: usize) -> f64 {
+        let others = (0..self.sizes.len()).filter(|factor| (component + 1) >> factor & 1 == 0);
+        let levels: usize = others.map(|factor| self.sizes[factor]).product();
+        let is_noise = component + 1 == 1 << self.sizes.len();
+        if is_noise { 1.0 } else { (levels * self.repeats) as f64 }
+    }
+
+    /// The design without one of its maps.
+    pub(super) fn without(&self, map: usize) -> Factorial {
+        let of_map = self.values.len() / self.sizes[0];
+        let mut rest = self.clone();
+        rest.values.drain(map * of_map..(map + 1) * of_map);
+        rest.sizes[0] -= 1;
+        rest
+    }
 }
 
 /// The set of the maps alone, by its bit.
-pub(super) const MAP: usize = 1;
+const MAP: usize = 1;
 
 /// The cells of a design, which are the combinations of levels of all factors, grouped by the levels of
 /// a set of factors.
@@ -66,7 +83,8 @@ pub(super) fn groupings(sizes: &[usize]) -> Vec<Grouping> {
     (0..1 << sizes.len()).map(by).collect()
 }
 
-/// The variances of all sets of factors in the order of their bits, and then of noise.
+/// The variances of all sets of factors in the order of their bits, and then of noise. They are unbiased, hence also
+/// negative.
 pub(super) fn variances(design: &Factorial, groupings: &[Grouping]) -> Vec<f64> {
     let full = groupings.len() - 1;
     let sums: Vec<f64> = groupings.iter().map(|by| squares(design, by, false)).collect();
@@ -92,10 +110,10 @@ pub(super) fn variances(design: &Factorial, groupings: &[Grouping]) -> Vec<f64> 
             let above = (set..=full).filter(|whole| whole & set == set);
             let sum: f64 = above.map(|whole| sign(whole, set) * squares[whole]).sum();
             let per_level = cells / levels(set) * design.repeats as f64;
-            (sum / per_level).max(0.0)
+            sum / per_level
         })
         .collect();
-    found.push(noise.max(0.0));
+    found.push(noise);
     found
 }
 
@@ -138,4 +156,16 @@ fn subsets(set: usize) -> impl Iterator<Item = usize> {
 /// The sign of inclusion and exclusion: -1 if the sets differ by an odd number of factors.
 fn sign(set: usize, part: usize) -> f64 {
     if (set.count_ones() - part.count_ones()).is_multiple_of(2) { 1.0 } else { -1.0 }
+}
+
+/// The estimate of a variance, which is not negative.
+pub(super) fn cut(variance: f64) -> f64 {
+    variance.max(0.0)
+}
+
+/// The variance within a map: that of noise and of all interactions with the map.
+pub(super) fn within(variances: &[f64]) -> f64 {
+    let of_map = |set: usize| set & MAP != 0 && set != MAP;
+    let interactions = (0..variances.len() - 1).filter(|&i| of_map(i + 1));
+    cut(variances[variances.len() - 1]) + interactions.map(|i| cut(variances[i])).sum::<f64>()
 }

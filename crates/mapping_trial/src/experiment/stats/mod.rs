@@ -2,13 +2,14 @@
 //!
 //! The unit of every statistic is the map. Trials on one map that differ in noise or policy are
 //! averaged first, since they are not independent. Intervals have a level of 95 %: they are by
-//! Student's t for means of a level, and by the percentile bootstrap over maps, drawn within their
-//! levels, for everything else (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapters
-//! 13 and 14).
+//! Student's t for means of a level, by the jackknife over maps for components of the variance (Arvesen
+//! and Schmitz, 1970), and by the percentile bootstrap over maps, drawn within their levels, for everything
+//! else (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, chapters 13 and 14).
 
 mod components;
 mod factorial;
 mod fraction;
+mod jackknife;
 mod measure;
 mod order;
 mod rank;
