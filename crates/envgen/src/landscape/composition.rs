@@ -2,10 +2,10 @@
 
 mod entropy_term;
 mod moves;
-mod partitions;
+mod nearby;
 
 use self::moves::move_single_cells;
-use self::partitions::{EXHAUSTIVE, count_partitions, try_all};
+use self::nearby::nearest;
 use super::spec::{LandscapeSpec, MAX_CELLS};
 use crate::error::SpecError;
 
@@ -13,16 +13,16 @@ use crate::error::SpecError;
 ///
 /// By Kuznetsov (2017), section 2, the counts fall as a geometric sequence of ratio `beta`, which solves his
 /// equation (4). Because that equation suffers from cancellation near `beta` = 1, its defining sum is solved
-/// instead. The counts are then rounded by largest remainders, and a few cells at a time are moved between classes
-/// as long as this brings the entropy nearer to its target. If the cells have at most 2^19 partitions among the
-/// classes, all partitions are tried, so that no other one is nearer.
+/// instead. The counts are then rounded by largest remainders. Of all counts that differ from these by at most 5 %, or by
+/// 2 cells, those with the entropy nearest to the target are taken. Where these are more than 2^19, a few cells at a time
+/// are moved between classes instead as long as this brings the entropy nearer to its target.
 ///
 /// ```
 /// use envgen::landscape::Composition;
 ///
-/// let found = Composition::closest(100, 3, 1.0, false)?;
-/// assert_eq!(found.counts().iter().sum::<u32>(), 100);
-/// assert!((found.entropy() - 1.0).abs() < 1e-3 && found.beta() < 1.0);
+/// let found = Composition::closest(2304, 3, 1.0, false)?;
+/// assert_eq!(found.counts().iter().sum::<u32>(), 2304);
+/// assert!((found.entropy() - 1.0).abs() < 1e-4 && found.beta() < 1.0);
 /// # Ok::<(), envgen::SpecError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -82,9 +82,9 @@ impl Composition {
         let beta = geometric_ratio(l, entropy);
         let mut counts = rounded(cells, l, beta);
         fill_empty(&mut counts, floor);
-        move_single_cells(&mut counts, entropy, floor);
-        if count_partitions(cells, l, floor) <= EXHAUSTIVE {
-            try_all(&mut counts, entropy, floor);
+        match nearest(&counts, entropy, floor) {
+            Some(near) => counts = near,
+            None => move_single_cells(&mut counts, entropy, floor),
         }
         let entropy = entropy_of(&counts);
         Ok(Composition { counts, beta, entropy })
@@ -250,8 +250,15 @@ fn fill_empty(counts: &mut [u32], floor: u32) {
 
 #[cfg(test)]
 mod tests {
+    use super::nearby::largest_shift;
     use super::*;
     use proptest::prelude::*;
+
+    fn geometric(cells: u32, classes: usize, entropy: f64, floor: u32) -> Vec<u32> {
+        let mut counts = rounded(cells, classes, geometric_ratio(classes, entropy));
+        fill_empty(&mut counts, floor);
+        counts
+    }
 
     /// Every list of counts, in any order: the slow, obvious method.
     fn least_error(cells: u32, classes: usize, entropy: f64, floor: u32) -> f64 {
@@ -270,11 +277,38 @@ mod tests {
         }
         let mut least = f64::INFINITY;
         walk(cells, &mut Vec::new(), classes, &mut |counts| {
-            if counts.iter().all(|&n| n >= floor) {
+            if counts.iter().all(|&n| n >= floor) && is_near(counts, entropy, floor) {
                 least = least.min((entropy_of(counts) - entropy).abs());
             }
         });
         least
+    }
+
+    /// Whether each of the counts, sorted, is near to the geometric one.
+    fn is_near(counts: &[u32], entropy: f64, floor: u32) -> bool {
+        let geometric = geometric(counts.iter().sum(), counts.len(), entropy, floor);
+        let mut sorted = counts.to_vec();
+        sorted.sort_unstable_by(|a, b| b.cmp(a));
+        let mut pairs = sorted.iter().zip(&geometric);
+        pairs.all(|(&n, &geometric)| n.abs_diff(geometric) <= largest_shift(geometric))
+    }
+
+    /// Other partitions have the same entropies, such as 200, 200, 0, 0 the first of these.
+    #[test]
+    fn counts_of_small_landscapes_are_geometric() {
+        for (cells, classes, entropy, geometric) in [
+            (400, 4, std::f64::consts::LN_2, vec![307, 72, 17, 4]),
+            (100, 4, std::f64::consts::LN_2, vec![77, 18, 4, 1]),
+            (2304, 3, 0.7, vec![1716, 463, 125]),
+            (2304, 3, 0.6 * 3.0_f64.ln(), vec![1766, 432, 106]),
+            (100, 6, 1.3, vec![51, 25, 13, 6, 3, 2]),
+        ] {
+            let found = Composition::closest(cells, classes, entropy, false).unwrap();
+            for (n, &geometric) in found.counts().iter().zip(&geometric) {
+                assert!(n.abs_diff(geometric) <= largest_shift(geometric), "{found:?}");
+            }
+            assert!((found.entropy() - entropy).abs() < 3e-3, "{found:?}");
+        }
     }
 
     #[test]
@@ -390,12 +424,18 @@ mod tests {
             prop_assert!(counts.is_sorted_by(|a, b| a >= b));
             prop_assert!(!keep || counts.iter().all(|&n| n > 0));
             let error = (found.entropy() - entropy).abs();
+            let floor = u32::from(keep);
+            let is_limited =
+                nearest(&geometric(cells as u32, classes as usize, entropy, floor), entropy, floor).is_some();
             for i in 0..counts.len() {
                 for j in 0..counts.len() {
-                    if i != j && counts[i] > u32::from(keep) {
+                    if i != j && counts[i] > floor {
                         let mut moved = counts.to_vec();
                         moved[i] -= 1;
                         moved[j] += 1;
+                        if is_limited && !is_near(&moved, entropy, floor) {
+                            continue;
+                        }
                         prop_assert!((entropy_of(&moved) - entropy).abs() >= error - 1e-10);
                     }
                 }

@@ -42,9 +42,9 @@ pub(super) fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32)
 /// enough.
 const PAIRED: usize = 1 << 13;
 
-/// The greatest number of cells in a move of a pair. As the counts are nearly geometric, single cells change the
+/// The greatest number of cells in a move of a pair, which is also at most 1 % of the cells, or 2. As the counts are nearly geometric, single cells change the
 /// sum by multiples of one number; several cells at once do not.
-const LARGEST_MOVE: usize = 8;
+const LARGEST_MOVE: u64 = 8;
 
 /// The counts as a sorted list of (count, number of classes). Classes of equal count are alike, and only few counts
 /// differ.
@@ -103,7 +103,9 @@ impl Moves {
     /// Returns the two moves that together leave the least of `miss`.
     fn best_pair(&self, miss: f64) -> Option<Moves> {
         let kinds = self.groups.len();
-        let largest = (PAIRED / (kinds * kinds)).min(LARGEST_MOVE) as u32;
+        let cells: u64 = self.groups.iter().map(|&(n, many)| u64::from(n) * many as u64).sum();
+        let few = (cells / 100).max(2).min(LARGEST_MOVE);
+        let largest = few.min((PAIRED / (kinds * kinds)) as u64) as u32;
         let mut moves = Vec::new();
         for &(from, _) in &self.groups {
             for cells in 1..=largest.min(from.saturating_sub(self.floor)) {
