@@ -40,7 +40,10 @@ impl Concentration {
             Concentration::Each(alphas) => {
                 if alphas.len() != count {
                     let given = format!("a list of {}", alphas.len());
-                    let allowed = format!("one number, or {count} numbers for {count} segments");
+                    let allowed = match count {
+                        1 => "one number".to_owned(),
+                        _ => format!("one number, or {count} numbers for {count} segments"),
+                    };
                     return Err(SpecError::new("alpha", given, allowed));
                 }
                 alphas

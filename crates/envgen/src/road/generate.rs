@@ -51,7 +51,6 @@ impl RoadError {
         !matches!(
             self,
             RoadError::Spec(_)
-                | RoadError::TurnTooShort { .. }
                 | RoadError::LengthLaw { .. }
                 | RoadError::NoLengths { .. }
                 | RoadError::TurnLaw { .. }

@@ -204,6 +204,19 @@ fn circuits_close() {
 }
 
 #[test]
+fn roads_with_turns_that_are_too_short_are_drawn_again() {
+    let spec = RoadSpec { lengths: Lengths::AsPublished, speed: 25.0, ..Default::default() };
+    let again = RoadSpec { crossing: Crossing::Resample, ..spec.clone() };
+    let short =
+        |seed: &u64| matches!(spec.generate(Seed(*seed)), Err(RoadError::TurnTooShort { .. }));
+    let seeds: Vec<u64> = (0..40).filter(short).collect();
+    assert!(seeds.len() > 3, "{seeds:?}");
+    for seed in seeds {
+        again.generate(Seed(seed)).unwrap();
+    }
+}
+
+#[test]
 fn rejected_and_resampled_roads_do_not_cross() {
     let spec = RoadSpec {
         length: 900.0,
