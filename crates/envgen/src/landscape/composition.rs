@@ -13,9 +13,10 @@ use crate::error::SpecError;
 ///
 /// By Kuznetsov (2017), section 2, the counts fall as a geometric sequence of ratio `beta`, which solves his
 /// equation (4). Because that equation suffers from cancellation near `beta` = 1, its defining sum is solved
-/// instead. The counts are then rounded by largest remainders. Of all counts that differ from these by at most 5 %, or by
-/// 2 cells, those with the entropy nearest to the target are taken. Where these are more than 2^19, a few cells at a time
-/// are moved between classes instead as long as this brings the entropy nearer to its target.
+/// instead. The counts are then rounded by largest remainders. Of all counts that differ from these by at most 5 %, or
+/// by 2 cells, those with the entropy nearest to the target are taken. Where there are more than 2^19 such lists of
+/// counts, or empty classes must be filled, a few cells at a time are moved between classes as long as this brings the
+/// entropy nearer to its target.
 ///
 /// ```
 /// use envgen::landscape::Composition;
@@ -81,10 +82,13 @@ impl Composition {
         }
         let beta = geometric_ratio(l, entropy);
         let mut counts = rounded(cells, l, beta);
-        fill_empty(&mut counts, floor);
-        match nearest(&counts, entropy, floor) {
-            Some(near) => counts = near,
-            None => move_single_cells(&mut counts, entropy, floor),
+        let is_filled = fill_empty(&mut counts, floor);
+        let near = nearest(&counts, entropy, floor);
+        // Filled classes are no geometric ones.
+        let moves = is_filled || near.is_none();
+        counts = near.unwrap_or(counts);
+        if moves {
+            move_single_cells(&mut counts, entropy, floor);
         }
         let entropy = entropy_of(&counts);
         Ok(Composition { counts, beta, entropy })
@@ -227,13 +231,15 @@ fn rounded(cells: u32, classes: usize, beta: f64) -> Vec<u32> {
     counts
 }
 
-/// Raises every class to at least `floor` cells, which are taken from the largest classes.
-fn fill_empty(counts: &mut [u32], floor: u32) {
+/// Raises every class to at least `floor` cells, which are taken from the largest classes. Returns whether any had
+/// fewer.
+fn fill_empty(counts: &mut [u32], floor: u32) -> bool {
     let mut missing = 0;
     for n in counts.iter_mut().filter(|n| **n < floor) {
         missing += floor - *n;
         *n = floor;
     }
+    let is_filled = missing > 0;
     while missing > 0 {
         // Many classes can be empty only when the largest are large: a few turns suffice.
         let (largest, next) = (counts[0], counts.iter().find(|&&n| n < counts[0]));
@@ -246,6 +252,7 @@ fn fill_empty(counts: &mut [u32], floor: u32) {
         }
         counts.sort_unstable_by(|a, b| b.cmp(a));
     }
+    is_filled
 }
 
 #[cfg(test)]
@@ -254,10 +261,11 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn geometric(cells: u32, classes: usize, entropy: f64, floor: u32) -> Vec<u32> {
+    /// The rounded counts, and whether classes were filled.
+    fn geometric(cells: u32, classes: usize, entropy: f64, floor: u32) -> (Vec<u32>, bool) {
         let mut counts = rounded(cells, classes, geometric_ratio(classes, entropy));
-        fill_empty(&mut counts, floor);
-        counts
+        let is_filled = fill_empty(&mut counts, floor);
+        (counts, is_filled)
     }
 
     /// Every list of counts, in any order: the slow, obvious method.
@@ -286,7 +294,7 @@ mod tests {
 
     /// Whether each of the counts, sorted, is near to the geometric one.
     fn is_near(counts: &[u32], entropy: f64, floor: u32) -> bool {
-        let geometric = geometric(counts.iter().sum(), counts.len(), entropy, floor);
+        let (geometric, _) = geometric(counts.iter().sum(), counts.len(), entropy, floor);
         let mut sorted = counts.to_vec();
         sorted.sort_unstable_by(|a, b| b.cmp(a));
         let mut pairs = sorted.iter().zip(&geometric);
@@ -375,6 +383,16 @@ mod tests {
         assert_eq!(one.counts(), [100]);
         let kept = Composition::closest(100, 7, 0.4, true).unwrap();
         assert!(kept.counts().iter().all(|&n| n >= 1));
+        // Geometric sequences of whole classes reach down to less than what is left if none is empty.
+        for (cells, classes) in [(400, 9), (100, 7), (2304, 3), (2304, 40)] {
+            let mut least = vec![1; classes];
+            least[0] = cells - (classes as u32 - 1);
+            for entropy in [entropy_of(&least), 1.5 * entropy_of(&least)] {
+                let kept =
+                    Composition::closest(u64::from(cells), classes as u64, entropy, true).unwrap();
+                assert!((kept.entropy() - entropy).abs() < 0.01, "{entropy}: {kept:?}");
+            }
+        }
     }
 
     #[test]
@@ -425,8 +443,9 @@ mod tests {
             prop_assert!(!keep || counts.iter().all(|&n| n > 0));
             let error = (found.entropy() - entropy).abs();
             let floor = u32::from(keep);
-            let is_limited =
-                nearest(&geometric(cells as u32, classes as usize, entropy, floor), entropy, floor).is_some();
+            let (geometric, is_filled) =
+                geometric(cells as u32, classes as usize, entropy, floor);
+            let is_limited = !is_filled && nearest(&geometric, entropy, floor).is_some();
             for i in 0..counts.len() {
                 for j in 0..counts.len() {
                     if i != j && counts[i] > floor {

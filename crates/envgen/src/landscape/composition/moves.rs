@@ -42,8 +42,8 @@ pub(super) fn move_single_cells(counts: &mut Vec<u32>, entropy: f64, floor: u32)
 /// enough.
 const PAIRED: usize = 1 << 13;
 
-/// The greatest number of cells in a move of a pair, which is also at most 1 % of the cells, or 2. As the counts are nearly geometric, single cells change the
-/// sum by multiples of one number; several cells at once do not.
+/// The greatest number of cells in a move of a pair. In small landscapes it is 1 % of the cells, and at least 2. As the
+/// counts are nearly geometric, single cells change the sum by multiples of one number; several cells at once do not.
 const LARGEST_MOVE: u64 = 8;
 
 /// The counts as a sorted list of (count, number of classes). Classes of equal count are alike, and only few counts

@@ -24,12 +24,10 @@ pub(super) fn nearest(counts: &[u32], entropy: f64, floor: u32) -> Option<Vec<u3
         return None;
     }
     let n = f64::from(cells);
-    let table: Vec<f64> = (0..=cells).map(n_ln_n).collect();
     let wanted = (libm::log(n) - entropy) * n;
-    let sum: f64 = counts.iter().map(|&n| table[n as usize]).sum();
+    let sum: f64 = counts.iter().copied().map(n_ln_n).sum();
     let range = |&n: &u32| (n.saturating_sub(largest_shift(n)).max(floor), n + largest_shift(n));
     let mut search = Search {
-        table: &table,
         wanted,
         ranges: counts.iter().map(range).collect(),
         least: (sum - wanted).abs(),
@@ -40,9 +38,7 @@ pub(super) fn nearest(counts: &[u32], entropy: f64, floor: u32) -> Option<Vec<u3
     Some(search.best)
 }
 
-struct Search<'a> {
-    /// n ln n of each number of cells.
-    table: &'a [f64],
+struct Search {
     /// The sum of n ln n at the entropy.
     wanted: f64,
     /// The least and the greatest count of each class.
@@ -52,7 +48,7 @@ struct Search<'a> {
     current: Vec<u32>,
 }
 
-impl Search<'_> {
+impl Search {
     /// Gives `cells` cells to class `i` and those before it, none fewer than `fewest`.
     fn classes(&mut self, i: usize, cells: u32, fewest: u32, sum: f64) {
         let (least, most) = self.ranges[i];
@@ -60,7 +56,7 @@ impl Search<'_> {
         if i > 0 {
             for n in least..=most {
                 self.current[i] = n;
-                self.classes(i - 1, cells - n, n, sum + self.table[n as usize]);
+                self.classes(i - 1, cells - n, n, sum + n_ln_n(n));
             }
             return;
         }
@@ -68,7 +64,7 @@ impl Search<'_> {
             return;
         }
         self.current[0] = cells;
-        let miss = (sum + self.table[cells as usize] - self.wanted).abs();
+        let miss = (sum + n_ln_n(cells) - self.wanted).abs();
         // Sums of the same terms in another order differ in their last digits.
         if miss < self.least - 1e-11 * self.wanted.abs().max(1.0) {
             self.least = miss;
