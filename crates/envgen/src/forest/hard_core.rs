@@ -4,8 +4,8 @@
 //! phase": the number of trees is drawn first, then each tree is drawn again until it keeps its
 //! distance to all trees placed before.
 //!
-//! Where the density varies, trees are rejected more often where it is high. Each tree is drawn again where the density
-//! is about that of its first place, so that the numbers of trees still follow the density.
+//! Where the density varies, trees are rejected more often where it is high. The numbers of trees are therefore drawn
+//! for each class of density, and each tree is drawn again within its class.
 
 use std::hint::black_box;
 
@@ -83,42 +83,44 @@ fn class(density: Option<&dyn Density>, p: DVec2) -> Result<usize, ForestError> 
 fn add(
     mut index: impl PointIndex,
     mut thrower: Thrower<'_>,
-    mut left: [u64; CLASSES],
+    counts: [u64; CLASSES],
     distance: f64,
 ) -> Result<Vec<DVec2>, ForestError> {
-    let count: u64 = left.iter().sum();
-    let mut placed = 0;
-    let most = count.saturating_mul(ATTEMPTS);
-    let mut attempts = 0;
+    let trees: u64 = counts.iter().sum();
+    // Classes with few trees may have little space, which trees of other classes would take.
+    let mut order: Vec<usize> = (0..CLASSES).filter(|&class| counts[class] > 0).collect();
+    order.sort_by_key(|&class| counts[class]);
+    let (mut placed, mut attempts) = (0, 0);
     let mut batch = [DVec2::ZERO; BATCH];
     let mut free = [false; BATCH];
-    while placed < count {
-        if attempts >= most {
-            return Err(ForestError::Attempts { trees: count, placed, attempts, distance });
-        }
-        let thrown = BATCH.min((most - attempts) as usize);
-        for p in &mut batch[..thrown] {
-            let Some(place) = thrower.throw()? else {
-                return Err(ForestError::Attempts { trees: count, placed, attempts, distance });
-            };
-            *p = place;
-        }
-        black_box(batch[..thrown].iter().fold(0, |sum, &p| sum ^ index.touch(p)));
-        for (free, &p) in free[..thrown].iter_mut().zip(&batch) {
-            *free = !index.conflicts(p);
-        }
-        for (is_free, &p) in free[..thrown].iter().zip(&batch) {
-            let class = class(thrower.density, p)?;
-            if left[class] == 0 {
-                thrower.wasted += 1;
-                continue;
+    for class in order {
+        let most = attempts + counts[class].saturating_mul(ATTEMPTS);
+        let all = placed + counts[class];
+        // Draws of a rare class cost more than the lookups that batches save.
+        let is_rare = counts[class] < trees / 4;
+        while placed < all {
+            if attempts >= most {
+                return Err(ForestError::Attempts { trees, placed, attempts, distance });
             }
-            attempts += 1;
-            // Points of this batch that were placed by now may conflict.
-            if *is_free && !index.conflicts(p) {
-                index.insert(p);
-                placed += 1;
-                left[class] -= 1;
+            let wanted = if is_rare { all - placed } else { BATCH as u64 };
+            let thrown = BATCH.min((most - attempts).min(wanted) as usize);
+            for p in &mut batch[..thrown] {
+                let Some(place) = thrower.throw(class)? else {
+                    return Err(ForestError::Attempts { trees, placed, attempts, distance });
+                };
+                *p = place;
+            }
+            black_box(batch[..thrown].iter().fold(0, |sum, &p| sum ^ index.touch(p)));
+            for (free, &p) in free[..thrown].iter_mut().zip(&batch) {
+                *free = !index.conflicts(p);
+            }
+            attempts += thrown as u64;
+            for (_, &p) in free.iter().zip(&batch[..thrown]).filter(|(free, _)| **free) {
+                // Points of this batch that were placed by now may conflict.
+                if placed < all && !index.conflicts(p) {
+                    index.insert(p);
+                    placed += 1;
+                }
             }
         }
     }
@@ -130,22 +132,28 @@ struct Thrower<'a> {
     area: Rect,
     density: Option<&'a dyn Density>,
     stream: Stream,
-    /// Number of draws that were rejected to follow the density, or where all trees of its class are placed.
+    /// Number of draws that were rejected to follow the density, or because they were of another class.
     wasted: u64,
 }
 
 impl Thrower<'_> {
-    /// Draws a position; `None` if too many draws were rejected.
-    fn throw(&mut self) -> Result<Option<DVec2>, ForestError> {
+    /// Draws a position where the density has a class; `None` if too many draws were rejected.
+    fn throw(&mut self, class: usize) -> Result<Option<DVec2>, ForestError> {
         let Some(density) = self.density else {
             return Ok(Some(poisson::uniform(self.area, &mut self.stream)));
         };
         while self.wasted < MOST_WASTED {
-            if let Some(p) = density.draw(self.area, &mut self.stream) {
-                return Ok(Some(p));
-            }
-            let p = poisson::uniform(self.area, &mut self.stream);
-            if self.stream.unit() * density.max() < poisson::checked(density, p)? {
+            let p = match density.draw(self.area, &mut self.stream) {
+                Some(p) => Some(p),
+                None => {
+                    let p = poisson::uniform(self.area, &mut self.stream);
+                    let chosen = self.stream.unit() * density.max();
+                    (chosen < poisson::checked(density, p)?).then_some(p)
+                }
+            };
+            if let Some(p) = p
+                && self::class(self.density, p)? == class
+            {
                 return Ok(Some(p));
             }
             self.wasted += 1;
@@ -180,6 +188,13 @@ mod tests {
         // 25,000 and 2500 on average, in Poisson laws: off by 4 standard deviations in one of 8000 cases each.
         assert!((west as f64 - 25_000.0).abs() < 4.0 * 25_000.0_f64.sqrt(), "{west}");
         assert!((east as f64 - 2500.0).abs() < 4.0 * 2500.0_f64.sqrt(), "{east}");
+        // A rare class of density has room for its few trees, wherever others are.
+        for seed in 0..60 {
+            let mut rows = vec![vec![1.0; 25]; 25];
+            rows[12][12] = 0.5;
+            let spec = ForestSpec { density: Some(DensityMap { rows }), ..spec(2.0) };
+            spec.generate(Seed(seed)).unwrap();
+        }
         // There is no room for 125 trees in the west, whatever there is in the east.
         let crowded = spec(3.0).generate(Seed(1)).unwrap_err();
         assert!(matches!(crowded, ForestError::Attempts { .. }), "{crowded}");
