@@ -383,8 +383,8 @@ pub enum Crossing {
     Allow,
     /// Generation fails.
     Reject,
-    /// The road is drawn again, up to `attempts` times; also if it misses its requested end, its start or its area, or if a
-    /// turn is too short.
+    /// The road is drawn again, up to `attempts` times; also if it misses its requested end, its start or its area, or
+    /// if a turn is too short.
     Resample,
 }
 

@@ -36,7 +36,8 @@ pub(super) fn section(design: &Design, analysis: &Analysis) -> Markup {
              the noise. D1, M1, N1 and the parts that end in 1 are score 1. Where the variance of single \
              trials comes from is estimated with crossed factors (maps of all levels by policies), if \
              trials are repeated; signal to noise is the variance of maps over that of noise and of all \
-             interactions with the map. The intervals of these are jackknives over maps."
+             interactions with the map. The intervals of these are by the jackknife over maps: policies count as \
+             fixed."
         }
     }
 }

@@ -62,8 +62,9 @@ impl Components {
 /// 2001, chapter 3), each cut at 0, with intervals by the jackknife over maps. The intervals of two maps contain all
 /// fractions.
 ///
-/// In simulations of 24 maps, the intervals contain the truth in 93 to 97 % of cases, where those of a percentile
-/// bootstrap contain it in 78 to 95 %.
+/// In simulations of 24 maps, in which the levels of the other factors are fixed, the intervals contain the truth in
+/// 93 to 97 % of cases, where those of a percentile bootstrap contain it in 78 to 95 %. How much other levels would
+/// differ is not part of the intervals.
 ///
 /// Noise that the combinations share is nested within maps, and crossed with all other factors. Returns
 /// `None` if a factor has one level, trials are not repeated, values are missing, or nothing varies.
@@ -164,8 +165,8 @@ mod tests {
 
     #[test]
     fn intervals_contain_the_truth_as_often_as_they_say() {
-        // Maps that decide, maps that decide little, and maps that hardly differ; policies and lasers without effects of
-        // their own. If intervals contain the truth in 94 % of cases, more than 24 misses of 200 have a
+        // Maps that decide, maps that decide little, and maps that hardly differ; policies and lasers without effects
+        // of their own. If intervals contain the truth in 94 % of cases, more than 24 misses of 200 have a
         // probability of 0.04 % each.
         let designs = [
             [1.4, 0.0, 0.4, 0.0, 0.4, 0.0, 0.3, 0.6],
