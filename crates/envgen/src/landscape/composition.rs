@@ -308,7 +308,7 @@ mod tests {
             (400, 4, std::f64::consts::LN_2, vec![307, 72, 17, 4]),
             (100, 4, std::f64::consts::LN_2, vec![77, 18, 4, 1]),
             (2304, 3, 0.7, vec![1716, 463, 125]),
-            (2304, 3, 0.6 * 3.0_f64.ln(), vec![1766, 432, 106]),
+            (2304, 3, 0.6 * libm::log(3.0), vec![1766, 432, 106]),
             (100, 6, 1.3, vec![51, 25, 13, 6, 3, 2]),
         ] {
             let found = Composition::closest(cells, classes, entropy, false).unwrap();

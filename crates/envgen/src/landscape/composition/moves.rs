@@ -104,7 +104,7 @@ impl Moves {
     fn best_pair(&self, miss: f64) -> Option<Moves> {
         let kinds = self.groups.len();
         let cells: u64 = self.groups.iter().map(|&(n, many)| u64::from(n) * many as u64).sum();
-        let few = (cells / 100).max(2).min(LARGEST_MOVE);
+        let few = (cells / 100).clamp(2, LARGEST_MOVE);
         let largest = few.min((PAIRED / (kinds * kinds)) as u64) as u32;
         let mut moves = Vec::new();
         for &(from, _) in &self.groups {

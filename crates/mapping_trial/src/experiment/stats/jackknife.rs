@@ -24,10 +24,10 @@ impl Intervals<'_> {
         }
         let (low, high) = if component == self.found.len() - 1 {
             let share = |variances: &[f64]| {
-                (variances[component].max(self.least) / all(variances).max(self.least)).ln()
+                libm::log(variances[component].max(self.least) / all(variances).max(self.least))
             };
             let (low, high) = self.jackknife(share);
-            (low.exp(), high.min(0.0).exp())
+            (libm::exp(low), libm::exp(high.min(0.0)))
         } else {
             let rest = |variances: &[f64]| all(variances) - cut(variances[component]);
             let (low, high) = self.ratio(component, trials, rest);
@@ -57,10 +57,10 @@ impl Intervals<'_> {
         let logarithm = |variances: &[f64]| {
             let ratio = variances[component] / rest(variances).max(self.least);
             // Variances far below 0 say nothing, but would widen the interval.
-            (1.0 + trials * ratio).max(0.5).ln()
+            libm::log((1.0 + trials * ratio).max(0.5))
         };
         let (low, high) = self.jackknife(logarithm);
-        let ratio = |logarithm: f64| cut((logarithm.exp() - 1.0) / trials);
+        let ratio = |logarithm: f64| cut(libm::expm1(logarithm) / trials);
         (ratio(low), ratio(high))
     }
 
