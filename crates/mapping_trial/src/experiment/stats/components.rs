@@ -356,7 +356,7 @@ mod tests {
         let maps = [0.1, 0.7, 0.3, 0.9].map(|map| [map, map, map + 0.2, map + 0.2]);
         let alike = components(&design(vec![4, 2], 2, maps.concat())).expect("maps");
         assert_eq!(alike.signal_to_noise, None);
-        // Where trials differ in one map alone, noise without that map is none.
+        // Where trials differ in one map alone, nothing varies without that map.
         let mut values = maps.concat();
         values[3] += 0.1;
         assert_eq!(
