@@ -33,16 +33,17 @@ pub(super) fn bends_keep(strip: &RoadStrip, radius: f64, points: &mut u64) -> Re
     let mut walk = path.walk();
     let start = path.pose_at(0.0);
     let mut before = start;
-    let mut is_wide = |pose: Pose| {
+    let mut is_wide = |pose: Pose, rounding: f64| {
         let angle = wrap_angle(pose.heading - before.heading).abs();
         let chord = pose.position.distance(before.position);
         let slack = 1e-9 * (1.0 + pose.position.length());
         before = pose;
         // Twice a huge radius is infinite.
-        libm::sin(0.5 * angle) <= (chord + slack) / (2.0 * radius) + 1e-9
+        libm::sin(0.5 * angle) <= (chord + slack) / (2.0 * radius) + rounding
     };
-    let along = (1..=parts as u64).all(|i| is_wide(walk.to(path.length() * (i as f64 / parts)).0));
-    Ok(along && (!strip.closed || is_wide(start)))
+    let along = |i: u64| is_wide(walk.to(path.length() * (i as f64 / parts)).0, 0.0);
+    // A circuit that closes but for rounding has no length there in which it could turn.
+    Ok((1..=parts as u64).all(along) && (!strip.closed || is_wide(start, 1e-9)))
 }
 
 /// Whether a road of which only points are known has no sharper corners than points of a road without a tighter bend.
