@@ -4,7 +4,8 @@
 //! Computational Technologies 22 (4), 2017, <http://ict.nsc.ru/jct/annotation/1808?l=eng>. Entropy is the Shannon
 //! entropy of the classes' shares in nats (SHDI in ecology); Total Edge is the number of sides between cells of
 //! different class. The paper reaches the entropy and approximates the Total Edge. Here the entropy
-//! is as near as whole cells allow, and the Total Edge is the given one where such a landscape is found.
+//! is as near as counts near a geometric sequence allow, and the Total Edge is the given one where such a landscape is
+//! found.
 //!
 //! - [`Composition`]: from an entropy to the number of cells of each class.
 //! - [`random_fill`] and [`automaton_fill`]: the paper's two algorithms. [`published`]: its formulas, with their
