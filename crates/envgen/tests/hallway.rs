@@ -158,6 +158,28 @@ fn bad_numbers_name_field_value_and_limits() {
 }
 
 #[test]
+fn sums_of_rates_are_compared_and_shown_without_rounding() {
+    let spec = |pitch, [alcove_rate, door_frame_rate, narrowing_rate]: [f64; 3]| HallwaySpec {
+        pitch,
+        width: 0.5,
+        alcove_width: 0.5,
+        alcove_depth: 0.5,
+        door_frame_width: 0.4,
+        narrowing_width: 0.4,
+        alcove_rate,
+        door_frame_rate,
+        narrowing_rate,
+        ..Default::default()
+    };
+    // In floating point, these sum to more than 1 and to 0.30000000000000004.
+    assert_eq!(spec(1.0, [0.56, 0.33, 0.11]).validate(), Ok(()));
+    let error = spec(4.0, [0.1, 0.1, 0.1]).validate().unwrap_err();
+    let expected = "`alcove_rate + door_frame_rate + narrowing_rate` must be at most 0.25 1/m, got 0.1 + 0.1 + 0.1: one \
+                    per segment of 4 m";
+    assert_eq!(error.to_string(), expected);
+}
+
+#[test]
 fn digests_are_frozen() {
     // A change here is value-breaking: raise the value version and say so in the changelog.
     let figure = HallwaySpec::default();

@@ -8,6 +8,9 @@ use crate::error::SpecError;
 use crate::settings;
 use crate::world::{MAX_COORDINATE, WALL};
 
+/// Sums of rates may be this much above one per segment, which allows only for rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// Whether the height is the default, which files omit, so that the files of other hallways are the same as before
 /// the setting existed.
 fn is_wall_height(value: &f64) -> bool {
@@ -197,11 +200,12 @@ impl HallwaySpec {
     }
 
     fn check_features(&self) -> Result<(), SpecError> {
-        let rate = self.alcove_rate + self.door_frame_rate + self.narrowing_rate;
-        if rate * self.pitch > 1.0 {
+        let [alcoves, frames, crates] =
+            [self.alcove_rate, self.door_frame_rate, self.narrowing_rate];
+        if (alcoves + frames + crates) * self.pitch > 1.0 + ROUNDING {
             return Err(SpecError::new(
                 "alcove_rate + door_frame_rate + narrowing_rate",
-                rate,
+                format!("{alcoves} + {frames} + {crates}"),
                 format!("at most {} 1/m: one per segment of {} m", 1.0 / self.pitch, self.pitch),
             ));
         }
