@@ -26,6 +26,21 @@ click() {
   sleep 0.3
 }
 
+# The ticks of the simulation in the last row of the frame log.
+ticks() { tail -n 1 "$scratch/$size.csv" | cut -d, -f4 | grep '^[0-9]*$' || echo 0; }
+
+# Holds a key for so many ticks of 50 ms, which take longer where drawing is slow.
+drive() {
+  local until=$(($(ticks) + $2))
+  xdotool keydown "$1"
+  for _ in $(seq 240); do
+    [ "$(ticks)" -lt "$until" ] || break
+    is_running
+    sleep 0.5
+  done
+  xdotool keyup "$1"
+}
+
 field() { grep -m 1 -o "\"$2\": *[0-9.]*" "$1" | grep -o '[0-9.]*$'; }
 
 # Where the panels have what is clicked on.
@@ -77,16 +92,16 @@ for size in 1280x720 1920x1080; do
   open --seed 11 --set doors=0.5 --set people=3 --out "$session" --frame-log "$scratch/$size.csv"
   xdotool key Return
   sleep 4
-  hold w 4
-  hold Left 1
+  drive w 80
+  drive Left 20
   sleep 1
   picture "$size-camera"
   xdotool key c
-  hold w 2
+  drive w 40
   sleep 2
   picture "$size-drive"
   xdotool key Tab
-  hold Up 2
+  drive Up 40
   xdotool key t
   sleep 3
   picture "$size-training"
@@ -104,7 +119,7 @@ for size in 1280x720 1920x1080; do
   sleep 3
   picture "$size-paused"
   xdotool key p
-  hold w 1
+  drive w 20
   xdotool key End
   sleep 3
   picture "$size-form"

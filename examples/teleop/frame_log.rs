@@ -22,21 +22,18 @@ impl FrameLog {
     }
 }
 
-/// Adds a row. After an error nothing more is written.
+/// Adds a row, which others can read at once. After an error nothing more is written.
 pub(crate) fn write(
     mut log: ResMut<FrameLog>,
     time: Res<Time<Real>>,
     session: Res<Session>,
     mut frame: Local<u64>,
-    mut exits: MessageReader<AppExit>,
     mut commands: Commands,
 ) {
     *frame += 1;
     let (seconds, delta) = (time.elapsed_secs_f64(), 1e3 * time.delta_secs_f64());
     let row = writeln!(log.0, "{},{seconds:.4},{delta:.3},{}", *frame, session.ticks);
-    let due = exits.read().next().is_some() || frame.is_multiple_of(60);
-    let flushed = if due { log.0.flush() } else { Ok(()) };
-    if let Err(problem) = row.and(flushed) {
+    if let Err(problem) = row.and_then(|()| log.0.flush()) {
         #[expect(clippy::print_stderr, reason = "errors belong on stderr")]
         {
             eprintln!("the frame log is incomplete: {problem}");
