@@ -14,7 +14,7 @@ use crate::map::OccupancyMap;
 use crate::mappable_area::MappableArea;
 
 /// Distances in metres up to which a wall counts as mapped in its place.
-const TOLERANCES: [f64; 2] = [0.30, 0.15];
+pub(super) const TOLERANCES: [f64; 2] = [0.30, 0.15];
 
 /// The scores of a map alone. The fields are those of [`Scores`](super::Scores).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

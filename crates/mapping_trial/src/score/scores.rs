@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::ScoreError;
-use super::map_scores::{MapScores, TrajectoryScores};
+use super::map_scores::{MapScores, TOLERANCES, TrajectoryScores};
 use super::parts::{Parts, Quality};
 use super::pose;
 use super::raster::Raster;
@@ -26,8 +26,8 @@ pub struct MovingScores {
     pub person_collisions: u32,
     /// Area in square metres where people and door leaves were for more than a twentieth of the time.
     pub swept_area: f64,
-    /// Part of that area, in square metres, that the map shows as occupied: ghosts of people, and door
-    /// leaves.
+    /// Part of that area, in square metres, that the map shows as occupied although no true wall is
+    /// within 0.15 m: ghosts of people, and door leaves.
     pub ghost_area: f64,
 }
 
@@ -191,7 +191,7 @@ impl Scores {
             moving: run.moving.map(|(swept, person_collisions)| MovingScores {
                 person_collisions,
                 swept_area: swept.area(),
-                ghost_area: ghost_area(&raster, swept),
+                ghost_area: ghost_area(truth, &raster, swept),
             }),
         })
     }
@@ -203,12 +203,16 @@ impl Scores {
     }
 }
 
-/// Area in square metres that the map shows as occupied where people or door leaves were.
-fn ghost_area(raster: &Raster, swept: &SweptCells) -> f64 {
+/// Area in square metres that the map shows as occupied where people or door leaves were, and no true wall is within
+/// the tolerance of the stricter precision.
+fn ghost_area(truth: &Reference, raster: &Raster, swept: &SweptCells) -> f64 {
+    let [_, tolerance] = TOLERANCES.map(|metres| metres / SCORE_CELL);
     let occupied = raster.occupied.iter().enumerate().filter(|(_, occupied)| **occupied);
     let ghosts = occupied.filter(|(cell, _)| {
         let (col, row) = raster.frame.place(*cell);
-        swept.is_moving(col, row)
+        let squared = truth.frame().cell(col, row).map(|cell| truth.wall_distance()[cell]);
+        let is_wall = squared.is_some_and(|squared| f64::from(squared) <= tolerance * tolerance);
+        swept.is_moving(col, row) && !is_wall
     });
     ghosts.count() as f64 * SCORE_CELL * SCORE_CELL
 }

@@ -177,6 +177,15 @@ mod tests {
     }
 
     #[test]
+    fn walls_where_people_were_are_no_ghosts() {
+        let world = room(6.0, 4.0);
+        let truth = Reference::new(&world, &Robot::default()).expect("a world with free space");
+        let swept = waits(&world, V(0.26, 2.0), 20);
+        let moving = scores(&truth, &truth.perfect_map(), &swept)[1].moving;
+        assert_eq!(moving.map(|moving| moving.ghost_area), Some(0.0));
+    }
+
+    #[test]
     fn what_a_map_shows_of_a_leaf_is_a_ghost_and_no_error() {
         let mut world = room(8.0, 4.0);
         add_wall(&mut world, (3.9, 0.0), (4.1, 1.5));
@@ -198,9 +207,9 @@ mod tests {
         let [without, with] = scores(&truth, &map, &swept);
         assert!(without.precision_30 < 1.0, "{}", without.precision_30);
         assert_eq!((with.precision_30, with.precision_15), (1.0, 1.0));
-        // One score cell wide, and in doorways as long as the leaf.
+        // One score cell wide, and as long as the leaf but for what is near the jambs.
         let ghosts = with.moving.map_or(0.0, |moving| moving.ghost_area);
-        assert!((0.1..0.2).contains(&ghosts), "{ghosts}");
+        assert!((0.05..0.1).contains(&ghosts), "{ghosts}");
     }
 
     #[test]
