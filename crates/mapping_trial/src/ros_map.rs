@@ -110,8 +110,9 @@ impl OccupancyMap {
         let [cols, rows] = (area.size() / RESOLUTION + 1.0).to_array();
         let fits = cols * rows <= MAX_CELLS as f64;
         if !fits {
-            let (resolution, most) = (RESOLUTION, MAX_CELLS);
-            return Err(OccupancyError::Size { resolution, cols, rows, most }.into());
+            let [width, height] = area.size().to_array();
+            let most = MAX_CELLS as f64 * RESOLUTION * RESOLUTION;
+            return Err(MapError::Area { width, height, most });
         }
         check_sides(area, 0.5 * map.resolution.min(RESOLUTION))?;
         let mut found = OccupancyMap::new();
@@ -328,7 +329,8 @@ mod tests {
             cells: vec![RosCell::Free],
         };
         let error = OccupancyMap::from_ros_map(&map, Pose::default()).unwrap_err();
-        assert!(matches!(error, MapError::Cells(OccupancyError::Size { .. })), "{error}");
+        let expected = "the area of the map must be at most 167772 m^2, got 1000.0 m x 1000.0 m";
+        assert_eq!(error.to_string(), expected);
     }
 
     /// A free map of one row, or of one column.

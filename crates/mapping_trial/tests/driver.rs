@@ -111,6 +111,16 @@ fn a_drivers_errors_are_reported() {
             ["a line that is not an answer", "null, expected an object at", "observation 2"],
         ),
         (
+            drives(
+                "read line; echo '{\"speed\": 0, \"turn_rate\": 0, \"pose\": [0, 0, 0]}'; cat > /dev/null",
+            ),
+            [
+                "`pose` must be absent unless `slam` is true in the hello",
+                "got a pose",
+                "observation 2",
+            ],
+        ),
+        (
             // A reason is not cut to the length of an excerpt.
             drives(r#"read line; echo "{\"failed\": \"$(seq -s ' ' 50)\"}"; cat > /dev/null"#),
             ["it gave up: 1 2 3", "48 49 50 (", "observation 2"],
@@ -259,6 +269,8 @@ fn what_a_driver_estimates_is_scored() {
     assert_eq!((report.robots[0].end, &report.failure), (Some(EndReason::TimeLimit), &None));
     let names: Vec<_> = report.foreign.iter().map(|part| part.role).collect();
     assert_eq!(names, [PartRole::Slam, PartRole::Policy]);
+    let headline = report.headline();
+    assert!(headline.starts_with("driver sh with SLAM with lms200_mm, "), "{headline}");
     let last = trial.autonomy().slam().trajectory(0).last().copied().expect("a pose");
     assert_eq!((last.position.x, last.position.y), (9.0, 9.0));
     assert!(report.scores.trajectory_error > 1.0 && report.scores.coverage == 0.0);

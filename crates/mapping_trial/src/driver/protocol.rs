@@ -263,7 +263,8 @@ impl Reply {
         }
         if !slam && (raw.pose.is_some() || raw.map.is_some()) {
             let field = if raw.pose.is_some() { "pose" } else { "map" };
-            return Err(not_allowed(field, "given", "absent unless the hello says `slam`: true"));
+            let allowed = "absent unless `slam` is true in the hello";
+            return Err(not_allowed(field, format!("a {field}"), allowed));
         }
         let pose = raw.pose.map(pose).transpose()?;
         let [finished, stuck] = [raw.finished, raw.stuck].map(Option::unwrap_or_default);

@@ -59,7 +59,7 @@ impl EndReason {
         match self {
             EndReason::Explored => "explored",
             EndReason::Stuck => "stuck",
-            EndReason::Failed => "policy failed",
+            EndReason::Failed => "policy or driver failed",
             EndReason::Drowned => "drowned",
             EndReason::Battery => "battery empty",
             EndReason::TimeLimit => "time up",

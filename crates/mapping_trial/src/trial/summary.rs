@@ -8,21 +8,20 @@ pub(crate) const LOST: f64 = 0.5;
 
 impl TrialReport {
     /// Returns what drove, and with which parts:
-    /// `nearest with scan_to_map and lms200_mm, 434 m^2 to map`.
+    /// `nearest with scan_to_map and lms200_mm, 434 m^2 to map`. A driver that is SLAM as well is
+    /// named once.
     pub fn headline(&self) -> String {
         let name = |role, built_in: Option<&'static str>| {
             let part = self.foreign.iter().find(|part| part.role == role);
             part.map(|part| part.name.as_str()).or(built_in)
         };
         let settings = &self.settings;
-        format!(
-            "{} with {} and {}, {:.0} m^2 to map",
-            name(PartRole::Policy, settings.policy.as_ref().and_then(Named::name))
-                .unwrap_or("a person"),
-            name(PartRole::Slam, settings.slam.name()).unwrap_or("custom"),
-            name(PartRole::Laser, settings.laser.name()).unwrap_or("a custom laser"),
-            self.scores.free_area
-        )
+        let policy = name(PartRole::Policy, settings.policy.as_ref().and_then(Named::name))
+            .unwrap_or("a person");
+        let slam = name(PartRole::Slam, settings.slam.name()).unwrap_or("custom");
+        let laser = name(PartRole::Laser, settings.laser.name()).unwrap_or("a custom laser");
+        let parts = if policy == slam { laser.to_owned() } else { format!("{slam} and {laser}") };
+        format!("{policy} with {parts}, {:.0} m^2 to map", self.scores.free_area)
     }
 }
 
