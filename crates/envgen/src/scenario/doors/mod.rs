@@ -1,6 +1,7 @@
 //! Doors: leaves that turn or slide, and the control of their motion.
 
 mod door;
+mod free_space;
 mod leaf;
 mod motion;
 mod place;

@@ -1,10 +1,12 @@
 //! The choice of doorways that have doors, and of the directions in which their leaves can swing.
 
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 use glam::DVec2;
 
 use super::door::{Door, DoorKind};
+use super::free_space::{FreeSpace, clears};
 use super::leaf::{DoorShape, Leaf};
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges, polygon_contains, segments_cross};
@@ -12,7 +14,7 @@ use crate::grid::{Convex, GridIndex, index_area};
 use crate::scenario::person::PERSON_RADIUS;
 use crate::scenario::spec::{DoorKinds, ScenarioSpec};
 use crate::seed::Seed;
-use crate::world::{Doorway, Extent, PartId, Solid, World};
+use crate::world::{Claim, Doorway, Extent, PartId, Solid, World};
 
 /// The distance in metres that leaves keep from solids in front of their wall.
 const GAP: f64 = 0.02;
@@ -20,8 +22,8 @@ const GAP: f64 = 0.02;
 /// The most cells of an index in which a solid is listed, on average.
 const LISTINGS: usize = 16;
 
-/// The width in metres of the passage for a person between an open leaf and the next solid.
-const PASSAGE: f64 = 2.0 * PERSON_RADIUS + 0.1;
+/// The radius in metres of the disc for which open leaves leave the free space connected: a person with some room.
+const LEAST_RADIUS: f64 = PERSON_RADIUS + 0.05;
 
 /// Draws the doors of a world. Each doorway has its own random stream, so that adding or removing a doorway does
 /// not change any other door.
@@ -37,9 +39,11 @@ pub(crate) fn place_doors(
         let why = "0: the world has no open doorway";
         return Err(ScenarioSpec::setting("doors").error_with(spec.doors, why));
     }
-    let around = Around::new(world);
-    // What the leaves of each doorway sweep.
+    let promised = promised_radius(world);
+    let around = Around::new(world, promised);
+    // What the leaves of each doorway sweep, and where they are when they are open.
     let mut swept: Vec<Vec<(Rect, Shape)>> = vec![Vec::new(); world.doorways.len()];
+    let mut open_leaves: Vec<Vec<Leaf>> = vec![Vec::new(); world.doorways.len()];
     let mut doors = Vec::new();
     for (i, doorway) in world.doorways.iter().enumerate().filter(|(_, doorway)| doorway.open) {
         let mut stream = seed.stream("scenario/doors", i as u64);
@@ -67,7 +71,7 @@ pub(crate) fn place_doors(
         let outlines = |door: &Door| DoorShape::new(door, doorway).swept_outlines(half_wall + GAP);
         let others = || around.openings_near(doorway).filter(|j| *j != i);
         let is_free = |door: &Door| {
-            outlines(door).iter().chain(&passages(door, doorway)).all(|outline| {
+            outlines(door).iter().all(|outline| {
                 let is_opening = |j: usize| {
                     let other = &world.doorways[j].shape;
                     meets(outline, other.bounds(), other)
@@ -78,15 +82,32 @@ pub(crate) fn place_doors(
                     && !leaves.any(|(bounds, shape)| meets(outline, *bounds, shape))
             })
         };
+        let solids = || around.solids_near(doorway).map(|(solid, _)| solid);
+        let leaves = || others().flat_map(|j| open_leaves[j].iter().copied());
+        let space = OnceCell::new();
+        let (reach, radius) = surroundings(doorway, promised);
+        let leaves_room = |door: &Door| {
+            let open: Vec<Leaf> = DoorShape::new(door, doorway).leaves(1.0).collect();
+            let space = space.get_or_init(|| {
+                let middle = doorway.shape.bounds().center();
+                FreeSpace::new((middle, reach), solids(), leaves(), radius)
+            });
+            let mut ends = [world.start, world.goal].into_iter().flatten();
+            ends.all(|end| clears(&open, end.position, radius))
+                && (open.is_empty() || space.stays_connected(&open))
+        };
         let mut candidates = candidates.peekable();
         let Some(&any) = candidates.peek() else { continue };
-        let door = candidates.find(is_free).unwrap_or(Door { kind: DoorKind::Sliding, ..any });
+        let door = candidates
+            .find(|door| is_free(door) && leaves_room(door))
+            .unwrap_or(Door { kind: DoorKind::Sliding, ..any });
         // No leaf passes what is in a wide doorway, such as clutter.
         let leaf = middle_of_leaf(&door, doorway);
         let mut low = around.solids_near(doorway).filter(|(_, is_low)| *is_low);
         if door.kind == DoorKind::Sliding && low.any(|(solid, _)| meets(&leaf, solid.0, &solid.1)) {
             continue;
         }
+        open_leaves[i] = DoorShape::new(&door, doorway).leaves(1.0).collect();
         swept[i] = outlines(&door)
             .into_iter()
             .map(|vertices| {
@@ -120,7 +141,7 @@ impl Around {
         touches(middle + across) && touches(middle - across) && !touches(near) && !touches(far)
     }
 
-    fn new(world: &World) -> Self {
+    fn new(world: &World, promised: f64) -> Self {
         let bounds_of = |solid: Solid<'_>| (solid.shape.bounds(), solid.shape.into_owned());
         let solids: Vec<(Rect, Shape)> = world.solids().map(bounds_of).collect();
         let open = world.doorways.iter().filter(|doorway| doorway.open);
@@ -131,9 +152,10 @@ impl Around {
             world.solids_within(all).map(|solid| solid.id).collect()
         });
         let is_low = world.solids().map(|solid| low.contains(&solid.id)).collect();
-        let near_solids = near_doorways(world, solids.iter().map(|(bounds, _)| *bounds), 1.0);
+        let near_solids =
+            near_doorways(world, solids.iter().map(|(bounds, _)| *bounds), (promised, 1.0));
         let openings = world.doorways.iter().map(|doorway| doorway.shape.bounds());
-        let near_openings = near_doorways(world, openings, 2.0);
+        let near_openings = near_doorways(world, openings, (promised, 2.0));
         Around { solids, is_low, near_solids, near_openings }
     }
 
@@ -156,14 +178,36 @@ fn meets(outline: &[DVec2], bounds: Rect, shape: &Shape) -> bool {
     around.is_some_and(|around| around.overlaps(bounds)) && overlap(outline, shape)
 }
 
+/// Returns the greatest radius of the discs that can move through the world by its promises; 0 without such promises.
+fn promised_radius(world: &World) -> f64 {
+    let radii = world.certificate.iter().filter_map(|claim| match claim {
+        Claim::Connected { radius } | Claim::EveryPlaceReachable { radius } => Some(*radius),
+        _ => None,
+    });
+    radii.fold(0.0, f64::max)
+}
+
+/// Returns how far from the middle of a doorway its open leaves may part the free space, in metres along each axis, and
+/// the radius of the disc for which they must not: a person, or a disc of the promised radius, if it fits through.
+fn surroundings(doorway: &Doorway, promised: f64) -> (f64, f64) {
+    let (from, to, _) = doorway.shape.long_axis();
+    let width = from.distance(to);
+    let radius = promised.min(width).max(LEAST_RADIUS);
+    (1.2 * width + 2.5 * radius + 0.2, radius)
+}
+
 /// Indexes, for the middle of each open doorway, the numbers of the bounds that are within a multiple of the reach
 /// of the largest door, and perhaps some farther ones.
-fn near_doorways(world: &World, bounds: impl Iterator<Item = Rect>, times: f64) -> GridIndex {
+fn near_doorways(
+    world: &World,
+    bounds: impl Iterator<Item = Rect>,
+    (promised, times): (f64, f64),
+) -> GridIndex {
     let open = || world.doorways.iter().filter(|doorway| doorway.open);
     let reach = |doorway: &Doorway| {
-        let size = doorway.shape.bounds().size();
-        // The corner of an open leaf, and the passage beyond it.
-        1.2 * size.length() + size.max_element() + PASSAGE + 2.0 * GAP
+        // The farthest corner of the free space around a doorway, and the disc there.
+        let (reach, radius) = surroundings(doorway, promised);
+        std::f64::consts::SQRT_2 * reach + radius
     };
     let reach = times * open().map(reach).fold(0.0, f64::max);
     let bounds: Vec<Rect> = bounds.map(|bounds| bounds.grown(reach)).collect();
@@ -189,16 +233,6 @@ impl DoorKinds {
             _ => DoorKind::Sliding,
         }
     }
-}
-
-/// Returns the areas beyond the open leaves that must be free so that a person can walk past them.
-fn passages(door: &Door, doorway: &Doorway) -> Vec<Vec<DVec2>> {
-    let shape = DoorShape::new(door, doorway);
-    let passage = |Leaf { hinge, tip }: Leaf| {
-        let beyond = tip + (tip - hinge).normalize_or_zero() * PASSAGE;
-        Shape::thick_segment(tip, beyond, GAP, 0.0).corners()
-    };
-    shape.leaves(1.0).filter(|_| shape.swings()).map(passage).collect()
 }
 
 /// Whether a simple polygon and a shape have a point in common.

@@ -49,6 +49,9 @@ impl HalfPlane {
 
 /// Returns the velocities with which `me` avoids another disc for [`DISC_HORIZON`] or, if the two overlap,
 /// separates from it within a step of `dt` seconds.
+///
+/// On no collision course, `me` may take all that is left up to one, as in the crate `dodgy_2d`, and not its share as in
+/// the paper: both may then take it at once, and only avoid each other in the next decision.
 pub(crate) fn avoid(me: &Disc, other: &Disc, dt: f64) -> HalfPlane {
     let to = other.position - me.position;
     let relative = me.velocity - other.velocity;

@@ -12,6 +12,12 @@ use crate::world::World;
 /// The extinction coefficient, in 1/m, below which smoke is ignored.
 const THINNEST: f64 = 1e-9;
 
+/// The greatest share of a compartment's air that is exchanged in one step of the integration.
+const MOST_EXCHANGED: f64 = 0.1;
+
+/// The greatest number of steps of the integration per step of the simulation.
+const MAX_STEPS: f64 = 200.0;
+
 /// The constant properties of the smoke of a world.
 #[derive(Clone, Debug)]
 pub(crate) struct SmokeRegions {
@@ -25,6 +31,8 @@ pub(crate) struct SmokeRegions {
     links: Vec<([usize; 2], usize, f64)>,
     /// Speed of the air through an open doorway in m/s.
     leak: f64,
+    /// The greatest share of a compartment's air that leaves in a second while all doors are open.
+    exchange: f64,
 }
 
 /// The current density of smoke.
@@ -48,18 +56,23 @@ impl SmokeRegions {
             let area: f64 = shapes.iter().map(|(_, shape)| shape.area()).sum();
             if area > 0.0 { area } else { f64::INFINITY }
         };
-        let areas = floors.iter().map(area).collect();
+        let areas: Vec<f64> = floors.iter().map(area).collect();
         let outside = world.rooms.len();
         let place = |room: Option<u32>| room.map_or(outside, |room| room as usize);
         let links = world.doorways.iter().enumerate().filter(|(_, doorway)| doorway.open);
-        let links = links
+        let links: Vec<_> = links
             .map(|(i, doorway)| {
                 let (from, to, _) = doorway.shape.long_axis();
                 (doorway.rooms.map(place), i, from.distance(to))
             })
             .filter(|([a, b], ..)| a != b)
             .collect();
-        SmokeRegions { sources: sources.to_vec(), floors, areas, links, leak }
+        let mut flows = vec![0.0; areas.len()];
+        for &(ends, _, width) in &links {
+            ends.into_iter().for_each(|end| flows[end] += leak * width);
+        }
+        let exchange = flows.iter().zip(&areas).map(|(flow, area)| flow / area).fold(0.0, f64::max);
+        SmokeRegions { sources: sources.to_vec(), floors, areas, links, leak, exchange }
     }
 
     /// Whether there is no smoke at any time.
@@ -80,14 +93,24 @@ impl SmokeRegions {
     ///
     /// The concentrations follow `dC_i/dt = q_i/V_i + sum_j k A_ij (C_j - C_i)/V_i` on the graph of rooms, with
     /// areas for volumes, since all rooms have the same height. Each term is integrated exactly on its own
-    /// (operator splitting), so that every step is stable and the exchange preserves the amount of smoke.
+    /// (operator splitting), so that every step is stable and the exchange preserves the amount of smoke. Where much
+    /// air is exchanged, the steps are shorter.
     pub(crate) fn spread(
         &self,
         field: &mut SmokeField,
         (time, dt): (f64, f64),
         openness: impl Fn(usize) -> f64,
     ) {
-        self.grow(field, time, dt);
+        let steps = (self.exchange * dt / MOST_EXCHANGED).ceil().clamp(1.0, MAX_STEPS);
+        let step = dt / steps;
+        for left in (0..steps as u32).rev() {
+            self.exchange(field, step, &openness);
+            self.grow(field, time - step * f64::from(left), step);
+        }
+    }
+
+    /// Exchanges air through open doorways.
+    fn exchange(&self, field: &mut SmokeField, dt: f64, openness: impl Fn(usize) -> f64) {
         for &([a, b], doorway, width) in &self.links {
             let flow = self.leak * width * openness(doorway);
             let (from, to) = (field.rooms[a], field.rooms[b]);
@@ -104,7 +127,11 @@ impl SmokeRegions {
         }
     }
 
-    /// Lets the smoke of the sources grow. In an infinite compartment, smoke is lost at once.
+    /// Lets the smoke of the sources grow for `dt` seconds, up to a time since the start. In an infinite
+    /// compartment, smoke is lost at once.
+    ///
+    /// The smoke of several sources in a compartment adds up: while no air is exchanged, it is the sum of
+    /// `alpha (1 - exp(-t/T))`. Smoke that the compartment has lost is replaced in proportion to `alpha`.
     fn grow(&self, field: &mut SmokeField, time: f64, dt: f64) {
         let share = |growth: f64, dt: f64| {
             if growth > 0.0 { -libm::expm1(-dt / growth) } else { 1.0 }
@@ -112,11 +139,34 @@ impl SmokeRegions {
         for (source, own) in self.sources.iter().zip(&mut field.discs) {
             if !source.leaks() {
                 *own = source.extinction * share(source.growth, time);
-                continue;
             }
-            let compartment = self.compartment(source);
-            if let Some(density) = compartment.and_then(|i| field.rooms.get_mut(i)) {
-                *density += (source.extinction - *density).max(0.0) * share(source.growth, dt);
+        }
+        // What the sources of a compartment lack, by their own laws: at the beginning of the step.
+        let lacked = |source: &SmokeSource| match source.growth {
+            growth if growth > 0.0 => source.extinction * libm::exp(-(time - dt) / growth),
+            _ if dt == 0.0 => source.extinction,
+            _ => 0.0,
+        };
+        let mut sums = vec![(0.0, 0.0); field.rooms.len()];
+        let leaking = || self.sources.iter().filter(|source| source.leaks());
+        for source in leaking() {
+            if let Some((all, lack)) = self.compartment(source).and_then(|i| sums.get_mut(i)) {
+                *all += source.extinction;
+                *lack += lacked(source);
+            }
+        }
+        let mut growths = vec![0.0; field.rooms.len()];
+        for source in leaking() {
+            let Some(i) = self.compartment(source) else { continue };
+            let (Some(density), Some(&(all, lack))) = (field.rooms.get(i), sums.get(i)) else {
+                continue;
+            };
+            let lost = (all - density - lack) * (source.extinction / all);
+            growths[i] += (lacked(source) + lost) * share(source.growth, dt);
+        }
+        for ((density, growth), (all, _)) in field.rooms.iter_mut().zip(growths).zip(sums) {
+            if all > *density {
+                *density = (*density + growth.max(0.0)).min(all);
             }
         }
     }
@@ -277,6 +327,46 @@ mod tests {
             assert!((field.rooms[0] - field.rooms[1] - difference).abs() < 1e-12);
             let amount = 12.0 * field.rooms[0] + 6.0 * field.rooms[1];
             assert!((amount - 36.0).abs() < 1e-9, "{amount}");
+        }
+    }
+
+    #[test]
+    fn the_smoke_of_several_sources_in_a_room_adds_up() {
+        let sources = [(2.0, 30.0), (1.0, 0.0), (0.5, 90.0), (0.7, 30.0)]
+            .map(|(extinction, growth)| SmokeSource { extinction, ..source(growth) });
+        let regions = SmokeRegions::new(&two_rooms(), &sources, 0.1);
+        let mut field = regions.start();
+        assert_eq!(field.rooms, [1.0, 0.0, 0.0]);
+        for step in 1..=400 {
+            let time = 0.5 * f64::from(step);
+            regions.spread(&mut field, (time, 0.5), |_| 0.0);
+            let grown = |source: &SmokeSource| match source.growth {
+                growth if growth > 0.0 => source.extinction * -libm::expm1(-time / growth),
+                _ => source.extinction,
+            };
+            let expected: f64 = sources.iter().map(grown).sum();
+            assert!((field.rooms[0] - expected).abs() < 1e-9, "{time}");
+        }
+        // What leaks is replaced.
+        for step in 401..=4000 {
+            regions.spread(&mut field, (0.5 * f64::from(step), 0.5), |_| 1.0);
+        }
+        assert!(field.rooms.iter().take(2).all(|room| (room - 4.2).abs() < 0.01), "{field:?}");
+    }
+
+    #[test]
+    fn a_constant_source_keeps_its_room_as_dense_whatever_leaks() {
+        for leak in [0.1, 1.0, 10.0] {
+            let regions = SmokeRegions::new(&two_rooms(), &[source(0.0)], leak);
+            let mut field = regions.start();
+            let rate = leak / 6.0;
+            for step in 1..=60 {
+                let time = 0.5 * f64::from(step);
+                regions.spread(&mut field, (time, 0.5), |_| 1.0);
+                let expected = 2.0 * -libm::expm1(-rate * time);
+                assert_eq!(field.rooms[0], 2.0);
+                assert!((field.rooms[1] - expected).abs() < 0.03, "{leak}: {field:?} {expected}");
+            }
         }
     }
 

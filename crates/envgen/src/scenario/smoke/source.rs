@@ -17,7 +17,8 @@ const BOX_SIDES: [f64; 2] = [0.1, 2000.0];
 pub struct SmokeSource {
     /// The space that the smoke fills.
     pub region: SmokeRegion,
-    /// The final extinction coefficient of the smoke, in 1/m. Rooms and halls from which smoke leaks may stay below it.
+    /// The final extinction coefficient of the smoke, in 1/m. Rooms and halls from which smoke leaks may stay below it;
+    /// in one with several sources, theirs add up.
     /// In the profile `usarsim`, it is the density of `USARSim`.
     pub extinction: f64,
     /// The time in seconds in which the smoke reaches 63 % of that; where it leaks, it takes longer. 0 if it is there
