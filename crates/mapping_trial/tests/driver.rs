@@ -270,7 +270,7 @@ fn what_a_driver_estimates_is_scored() {
     let names: Vec<_> = report.foreign.iter().map(|part| part.role).collect();
     assert_eq!(names, [PartRole::Slam, PartRole::Policy]);
     let headline = report.headline();
-    assert!(headline.starts_with("driver sh with SLAM with lms200_mm, "), "{headline}");
+    assert!(headline.starts_with("driver sh with lms200_mm, "), "{headline}");
     let last = trial.autonomy().slam().trajectory(0).last().copied().expect("a pose");
     assert_eq!((last.position.x, last.position.y), (9.0, 9.0));
     assert!(report.scores.trajectory_error > 1.0 && report.scores.coverage == 0.0);

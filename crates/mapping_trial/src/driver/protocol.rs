@@ -408,7 +408,10 @@ mod tests {
             (r#"{"finished": true, "stuck": true}"#, "`stuck` must be absent or false"),
             (r#"{"finished": true, "id": 6}"#, "`id` must be 7, the last observation's, got 6"),
             (r#"{"finished": true, "want": ["scan"]}"#, "`want[0]`: unknown variant `scan`"),
-            (r#"{"finished": true, "pose": [0, 0, 0]}"#, "`pose` must be absent unless the hello"),
+            (
+                r#"{"finished": true, "pose": [0, 0, 0]}"#,
+                "`pose` must be absent unless `slam` is true in the hello, got a pose",
+            ),
             (r#"{"finished": true} {}"#, "trailing characters"),
             ("", "EOF"),
             ("hello", "expected value at character 1, in `hello`"),
