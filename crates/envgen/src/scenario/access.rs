@@ -61,9 +61,10 @@ impl Scenario {
     /// with the places behind it: those that the disc reaches from the start with all doors open, but not with this
     /// door closed.
     ///
-    /// They are found on a grid of cells of 0.02 m, or up to 0.1 m in large worlds. A path is taken as possible if a
-    /// disc whose radius is half a cell's diagonal less finds it from centre to centre, so that no place is returned
-    /// that has another path, and one that has such a path only for the smaller disc is missing.
+    /// They are found on a grid of cells of 0.02 m, or up to 0.1 m in large worlds. Another path is taken as possible if
+    /// a disc whose radius is half a cell's diagonal less finds it from centre to centre in the world without leaves, so
+    /// that no place is returned that has another path. A place that has such a path only for the smaller disc, or
+    /// across the leaf of an open door, is missing.
     ///
     /// # Errors
     /// When the scenario does not fit the world, when `radius` in metres is not from 0.01 to 10, or when the world
@@ -77,7 +78,7 @@ impl Scenario {
         let Some(start) = world.start.filter(|_| !self.doors.is_empty()) else {
             return Ok(Vec::new());
         };
-        let cells = FreeCells::new(&self.with_open_doors(world)?, radius)?;
+        let cells = FreeCells::new(world, &self.with_open_doors(world)?, radius)?;
         let frame = cells.frame;
         let (indices, floors): (Vec<u32>, Vec<&Shape>) = (0..)
             .zip(&world.surfaces)
@@ -165,14 +166,16 @@ struct FreeCells {
     frame: GridFrame,
     /// The cells at whose centres the disc fits.
     surely: Vec<bool>,
-    /// The cells that may hold a point at which the disc fits: at their centres a disc of `least_radius` does.
+    /// The cells that may hold a point at which the disc fits without leaves: at their centres a disc of `least_radius`
+    /// does.
     perhaps: Vec<bool>,
     /// The disc's radius less half the diagonal of a cell.
     least_radius: f64,
 }
 
 impl FreeCells {
-    fn new(world: &World, radius: f64) -> Result<Self, SpecError> {
+    /// Finds the cells of a world, and of the same world with all doors open.
+    fn new(world: &World, open: &World, radius: f64) -> Result<Self, SpecError> {
         let size = world.bounds.size();
         let usual = (size.x * size.y / USUAL_CELLS).sqrt();
         // The cells that a closed door closes have no gap.
@@ -187,7 +190,8 @@ impl FreeCells {
         let (cols, rows) = (count.x as usize, count.y as usize);
         let frame = GridFrame { origin: world.bounds.min, cell_size: side, cols, rows };
         let least_radius = radius - 0.5 * std::f64::consts::SQRT_2 * side;
-        let index = ClearanceIndex::new(world, radius)?;
+        let [index, with_leaves] = [world, open].map(|world| ClearanceIndex::new(world, radius));
+        let (index, with_leaves) = (index?, with_leaves?);
         let deep = SurfaceIndex::of(world, Ground::is_barrier);
         let is_firm_everywhere = deep.is_plain();
         let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]
@@ -197,7 +201,8 @@ impl FreeCells {
             let p = frame.center_of(cell);
             let is_firm = |p| is_firm_everywhere || !deep.at(p).is_barrier();
             let (clearance, is_firm_here) = (index.clearance(p), is_firm(p));
-            surely[cell] = clearance >= radius && is_firm_here;
+            surely[cell] =
+                clearance >= radius && is_firm_here && with_leaves.clearance(p) >= radius;
             perhaps[cell] = clearance >= least_radius
                 && (is_firm_here || corners.iter().any(|&corner| is_firm(p + corner)));
         }

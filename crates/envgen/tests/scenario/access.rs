@@ -7,7 +7,7 @@ use envgen::clearance_index::ClearanceIndex;
 use envgen::geometry::{Pose, Rect, Shape};
 use envgen::glam::DVec2;
 use envgen::indoor::IndoorSpec;
-use envgen::scenario::{BehindDoor, Door, DoorKind, Scenario, ScenarioSpec};
+use envgen::scenario::{BehindDoor, Door, DoorKind, DoorKinds, Scenario, ScenarioSpec};
 use envgen::world::{Surface, SurfaceKind, Wall, WallKind};
 use envgen::{Blueprint, Seed, Spec, World};
 
@@ -60,7 +60,8 @@ fn places_behind_doors_are_those_that_a_wall_in_the_doorway_cuts_off() {
         let found = scenario.behind_doors(&world, RADIUS).unwrap();
         let all = places_reached(&open, RADIUS);
         for (door, Door { doorway, .. }) in scenario.doors.iter().enumerate() {
-            let mut closed = open.clone();
+            // Whatever the leaves of the other doors.
+            let mut closed = world.clone();
             let shape = closed.doorways[*doorway as usize].shape.clone();
             closed.walls.push(Wall::new(WallKind::Wall, shape));
             let lost = |radius: f64| {
@@ -103,11 +104,36 @@ fn a_place_with_another_path_is_behind_no_door() {
 }
 
 #[test]
+fn the_leaf_of_a_door_closes_no_path_while_the_door_is_closed() {
+    let (mut world, mut scenario) = two_rooms("kind: hinged, control: triggered");
+    // The robot is in a corridor of 1.1 m beside the wall with the door, which ends at a gap in this wall.
+    world.start = Some(Pose::new(4.65, 2.0, 0.0));
+    let wall = |from: (f64, f64), to: (f64, f64)| {
+        let rect = Rect::new(DVec2::from(from), DVec2::from(to));
+        Wall::new(WallKind::Wall, Shape::from_rect(rect))
+    };
+    world.walls[1] = wall((3.9, 2.5), (4.1, 3.0));
+    world.walls.push(wall((5.2, 0.0), (5.3, 4.0)));
+    // Open, the leaf is across the corridor, between the robot and the gap.
+    let middle = DVec2::new(4.5, 2.5);
+    let is_across =
+        [(false, false), (false, true), (true, false), (true, true)].into_iter().any(|to| {
+            (scenario.doors[0].far_end, scenario.doors[0].to_right) = to;
+            let open = scenario.with_open_doors(&world).unwrap();
+            open.walls.last().unwrap().shape.bounds().center().distance(middle) < 1e-9
+        });
+    assert!(is_across);
+    assert_eq!(scenario.behind_doors(&world, 0.36).unwrap(), []);
+}
+
+#[test]
 fn what_a_world_promises_holds_with_all_doors_open() {
-    for seed in [1, 12, 16] {
-        let spec = IndoorSpec { width: 8, height: 8, ..Default::default() };
+    // The robot is larger than a person, or smaller.
+    for (seed, robot_radius) in [(1, 0.36), (12, 0.36), (16, 0.36), (3, 0.2), (4, 0.2), (12, 0.2)] {
+        let spec = IndoorSpec { width: 8, height: 8, robot_radius, ..Default::default() };
         let world = spec.generate(Seed(seed)).unwrap().to_world();
-        let spec = ScenarioSpec { doors: 1.0, ..Default::default() };
+        let door_kind = if robot_radius < 0.3 { DoorKinds::Hinged } else { DoorKinds::Mixed };
+        let spec = ScenarioSpec { doors: 1.0, door_kind, ..Default::default() };
         let scenario = Scenario::new(&world, &spec, Seed(seed)).unwrap();
         assert!(scenario.doors.iter().filter(|door| door.kind != DoorKind::Sliding).count() > 5);
         let open = scenario.with_open_doors(&world).unwrap();

@@ -52,7 +52,7 @@ impl Scores {
                     "not among the others",
                 ),
                 ("swept area", area(moving.swept_area), "by people and doors, not scored"),
-                ("ghosts", area(moving.ghost_area), "of the swept area shown as occupied"),
+                ("ghosts", area(moving.ghost_area), "of it shown as occupied, off the walls"),
             ]
         });
         let rows = rows.into_iter().chain(moving);

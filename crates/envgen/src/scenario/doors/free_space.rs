@@ -7,11 +7,11 @@ use crate::flood::flood;
 use crate::geometry::{Rect, Shape};
 use crate::grid::GridFrame;
 
-/// The least side of a cell in metres.
+/// The greatest side of a cell in metres, unless the surroundings are large.
 const CELL: f64 = 0.05;
 
 /// The greatest number of cells along each axis.
-const MAX_ACROSS: f64 = 256.0;
+const MAX_ACROSS: f64 = 512.0;
 
 /// The positions around a doorway at which a disc is free, as a grid of cells.
 pub(super) struct FreeSpace {
@@ -21,14 +21,18 @@ pub(super) struct FreeSpace {
 }
 
 impl FreeSpace {
-    /// Creates the positions of a disc within `reach` of a point along each axis, in metres.
+    /// Creates the positions of a disc within `reach` of a point along each axis, in metres. Returns `None` if cells
+    /// would be so large that a leaf does not separate them.
     pub(super) fn new<'a>(
         (middle, reach): (DVec2, f64),
         solids: impl Iterator<Item = &'a (Rect, Shape)>,
         leaves: impl Iterator<Item = Leaf>,
         radius: f64,
-    ) -> Self {
-        let side = CELL.max(2.0 * reach / MAX_ACROSS);
+    ) -> Option<Self> {
+        let side = CELL.min(0.5 * radius).max(2.0 * reach / MAX_ACROSS);
+        if side > radius {
+            return None;
+        }
         let across = (2.0 * reach / side).ceil() as usize;
         let frame =
             GridFrame { origin: middle - reach, cell_size: side, cols: across, rows: across };
@@ -43,7 +47,7 @@ impl FreeSpace {
             !solids.iter().any(meets_solid) && clears(&leaves, p, radius)
         };
         let free = (0..frame.len()).map(|cell| is_free(frame.center_of(cell))).collect();
-        FreeSpace { frame, radius, free }
+        Some(FreeSpace { frame, radius, free })
     }
 
     /// Whether the disc still comes from everywhere to everywhere around the doorway as before, but for where the
@@ -93,6 +97,7 @@ mod tests {
             let walls = [wall((-9.0, -0.1), (9.0, 0.0)), wall((-9.0, width), (9.0, width + 0.1))];
             let space = |leaves: Vec<Leaf>, radius| {
                 FreeSpace::new((DVec2::ZERO, 4.0), walls.iter(), leaves.into_iter(), radius)
+                    .expect("small cells")
             };
             assert!(space(Vec::new(), 0.36).stays_connected(&[]));
             assert_eq!(space(Vec::new(), 0.36).stays_connected(&[leaf]), is_wide, "{width} m");
@@ -106,6 +111,15 @@ mod tests {
     }
 
     #[test]
+    fn surroundings_that_are_too_large_for_their_cells_are_none() {
+        let is_some = |reach, radius| {
+            FreeSpace::new((DVec2::ZERO, reach), [].iter(), std::iter::empty(), radius).is_some()
+        };
+        assert!(is_some(90.0, 0.36) && !is_some(93.0, 0.36));
+        assert!(is_some(2.0, 0.01) && !is_some(3.0, 0.01) && !is_some(1e8, 0.36));
+    }
+
+    #[test]
     fn no_part_of_the_space_may_vanish() {
         // A niche that a leaf in front of it fills.
         let walls = [
@@ -115,6 +129,7 @@ mod tests {
             wall((0.5, 0.0), (0.6, 1.0)),
         ];
         let space = FreeSpace::new((DVec2::ZERO, 2.0), walls.iter(), std::iter::empty(), 0.3);
+        let space = space.expect("small cells");
         let leaf = Leaf { hinge: DVec2::new(0.0, 0.0), tip: DVec2::new(0.0, 1.0) };
         assert!(!space.stays_connected(&[leaf]));
     }

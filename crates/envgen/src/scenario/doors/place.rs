@@ -22,8 +22,8 @@ const GAP: f64 = 0.02;
 /// The most cells of an index in which a solid is listed, on average.
 const LISTINGS: usize = 16;
 
-/// The radius in metres of the disc for which open leaves leave the free space connected: a person with some room.
-const LEAST_RADIUS: f64 = PERSON_RADIUS + 0.05;
+/// The least radius in metres of a disc for which open leaves leave the free space connected: a person with some room.
+const PERSON_WITH_ROOM: f64 = PERSON_RADIUS + 0.05;
 
 /// Draws the doors of a world. Each doorway has its own random stream, so that adding or removing a doorway does
 /// not change any other door.
@@ -84,17 +84,23 @@ pub(crate) fn place_doors(
         };
         let solids = || around.solids_near(doorway).map(|(solid, _)| solid);
         let leaves = || others().flat_map(|j| open_leaves[j].iter().copied());
-        let space = OnceCell::new();
-        let (reach, radius) = surroundings(doorway, promised);
+        let spaces = OnceCell::new();
+        let (reach, radii) = surroundings(doorway, promised);
         let leaves_room = |door: &Door| {
             let open: Vec<Leaf> = DoorShape::new(door, doorway).leaves(1.0).collect();
-            let space = space.get_or_init(|| {
+            if open.is_empty() {
+                return true;
+            }
+            let spaces: &Option<Vec<FreeSpace>> = spaces.get_or_init(|| {
                 let middle = doorway.shape.bounds().center();
-                FreeSpace::new((middle, reach), solids(), leaves(), radius)
+                let space = |&radius| FreeSpace::new((middle, reach), solids(), leaves(), radius);
+                radii.iter().map(space).collect()
             });
             let mut ends = [world.start, world.goal].into_iter().flatten();
-            ends.all(|end| clears(&open, end.position, radius))
-                && (open.is_empty() || space.stays_connected(&open))
+            ends.all(|end| clears(&open, end.position, radii[0]))
+                && spaces
+                    .as_ref()
+                    .is_some_and(|spaces| spaces.iter().all(|space| space.stays_connected(&open)))
         };
         let mut candidates = candidates.peekable();
         let Some(&any) = candidates.peek() else { continue };
@@ -188,12 +194,17 @@ fn promised_radius(world: &World) -> f64 {
 }
 
 /// Returns how far from the middle of a doorway its open leaves may part the free space, in metres along each axis, and
-/// the radius of the disc for which they must not: a person, or a disc of the promised radius, if it fits through.
-fn surroundings(doorway: &Doorway, promised: f64) -> (f64, f64) {
+/// the radii of the discs for which they must not: a disc of the promised radius, if it fits through, and a person unless
+/// that disc is larger.
+fn surroundings(doorway: &Doorway, promised: f64) -> (f64, Vec<f64>) {
     let (from, to, _) = doorway.shape.long_axis();
     let width = from.distance(to);
-    let radius = promised.min(width).max(LEAST_RADIUS);
-    (1.2 * width + 2.5 * radius + 0.2, radius)
+    let promised = promised.min(width);
+    let mut radii = vec![promised.max(PERSON_WITH_ROOM)];
+    if promised > 0.0 && promised < PERSON_WITH_ROOM {
+        radii.push(promised);
+    }
+    (1.2 * width + 2.5 * radii[0] + 0.2, radii)
 }
 
 /// Indexes, for the middle of each open doorway, the numbers of the bounds that are within a multiple of the reach
@@ -206,8 +217,8 @@ fn near_doorways(
     let open = || world.doorways.iter().filter(|doorway| doorway.open);
     let reach = |doorway: &Doorway| {
         // The farthest corner of the free space around a doorway, and the disc there.
-        let (reach, radius) = surroundings(doorway, promised);
-        std::f64::consts::SQRT_2 * reach + radius
+        let (reach, radii) = surroundings(doorway, promised);
+        std::f64::consts::SQRT_2 * reach + radii[0]
     };
     let reach = times * open().map(reach).fold(0.0, f64::max);
     let bounds: Vec<Rect> = bounds.map(|bounds| bounds.grown(reach)).collect();

@@ -45,6 +45,17 @@ pub(crate) struct SmokeField {
     discs: Vec<f64>,
 }
 
+/// What the sources of a compartment emit, as sums of extinction coefficients in 1/m.
+#[derive(Clone, Copy, Default)]
+struct Emission {
+    /// Of the sources that do not grow.
+    constant: f64,
+    /// Of those that grow, in the end.
+    growing: f64,
+    /// What those that grow lack of it by their own laws.
+    lacked: f64,
+}
+
 impl SmokeRegions {
     pub(crate) fn new(world: &World, sources: &[SmokeSource], leak: f64) -> Self {
         let bounded = |shape: &Shape| (shape.bounds(), shape.clone());
@@ -131,7 +142,8 @@ impl SmokeRegions {
     /// compartment, smoke is lost at once.
     ///
     /// The smoke of several sources in a compartment adds up: while no air is exchanged, it is the sum of
-    /// `alpha (1 - exp(-t/T))`. Smoke that the compartment has lost is replaced in proportion to `alpha`.
+    /// `alpha (1 - exp(-t/T))`. What is lost is replaced at once up to the sum of the constant sources, and above it by
+    /// those that grow, in proportion to `alpha` and at their own rates.
     fn grow(&self, field: &mut SmokeField, time: f64, dt: f64) {
         let share = |growth: f64, dt: f64| {
             if growth > 0.0 { -libm::expm1(-dt / growth) } else { 1.0 }
@@ -141,32 +153,37 @@ impl SmokeRegions {
                 *own = source.extinction * share(source.growth, time);
             }
         }
-        // What the sources of a compartment lack, by their own laws: at the beginning of the step.
-        let lacked = |source: &SmokeSource| match source.growth {
-            growth if growth > 0.0 => source.extinction * libm::exp(-(time - dt) / growth),
-            _ if dt == 0.0 => source.extinction,
-            _ => 0.0,
-        };
-        let mut sums = vec![(0.0, 0.0); field.rooms.len()];
+        // What a source lacked by its own law at the beginning of the step.
+        let lacked =
+            |source: &SmokeSource| source.extinction * libm::exp(-(time - dt) / source.growth);
+        let mut sums = vec![Emission::default(); field.rooms.len()];
         let leaking = || self.sources.iter().filter(|source| source.leaks());
         for source in leaking() {
-            if let Some((all, lack)) = self.compartment(source).and_then(|i| sums.get_mut(i)) {
-                *all += source.extinction;
-                *lack += lacked(source);
-            }
-        }
-        let mut growths = vec![0.0; field.rooms.len()];
-        for source in leaking() {
-            let Some(i) = self.compartment(source) else { continue };
-            let (Some(density), Some(&(all, lack))) = (field.rooms.get(i), sums.get(i)) else {
+            let Some(sum) = self.compartment(source).and_then(|i| sums.get_mut(i)) else {
                 continue;
             };
-            let lost = (all - density - lack) * (source.extinction / all);
-            growths[i] += (lacked(source) + lost) * share(source.growth, dt);
+            if source.growth > 0.0 {
+                sum.growing += source.extinction;
+                sum.lacked += lacked(source);
+            } else {
+                sum.constant += source.extinction;
+            }
         }
-        for ((density, growth), (all, _)) in field.rooms.iter_mut().zip(growths).zip(sums) {
-            if all > *density {
-                *density = (*density + growth.max(0.0)).min(all);
+        for (density, sum) in field.rooms.iter_mut().zip(&sums) {
+            *density = density.max(sum.constant);
+        }
+        let mut growths = vec![0.0; field.rooms.len()];
+        for source in leaking().filter(|source| source.growth > 0.0) {
+            let Some(i) = self.compartment(source) else { continue };
+            let (Some(density), Some(sum)) = (field.rooms.get(i), sums.get(i)) else { continue };
+            let lost = sum.constant + sum.growing - density - sum.lacked;
+            growths[i] += (lacked(source) + lost * (source.extinction / sum.growing))
+                * share(source.growth, dt);
+        }
+        for ((density, growth), sum) in field.rooms.iter_mut().zip(growths).zip(&sums) {
+            let most = sum.constant + sum.growing;
+            if most > *density {
+                *density = (*density + growth.max(0.0)).min(most);
             }
         }
     }
@@ -352,6 +369,22 @@ mod tests {
             regions.spread(&mut field, (0.5 * f64::from(step), 0.5), |_| 1.0);
         }
         assert!(field.rooms.iter().take(2).all(|room| (room - 4.2).abs() < 0.01), "{field:?}");
+    }
+
+    #[test]
+    fn a_growing_source_beside_a_constant_one_makes_no_room_thinner() {
+        let sources = [(0.5, 0.0), (5.0, 600.0)]
+            .map(|(extinction, growth)| SmokeSource { extinction, ..source(growth) });
+        let regions = SmokeRegions::new(&two_rooms(), &sources, 1.0);
+        let end = |dt: f64| {
+            let mut field = regions.start();
+            for step in 1..=(30.0 / dt) as u32 {
+                regions.spread(&mut field, (dt * f64::from(step), dt), |_| 1.0);
+                assert!(field.rooms[0] >= 0.5, "{field:?}");
+            }
+            field.rooms[0]
+        };
+        assert!((end(0.5) - end(0.005)).abs() < 0.02, "{} {}", end(0.5), end(0.005));
     }
 
     #[test]
