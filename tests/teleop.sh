@@ -27,7 +27,7 @@ click() {
 }
 
 # The ticks of the simulation in the last row of the frame log.
-ticks() { tail -n 1 "$scratch/$size.csv" | cut -d, -f4 | grep '^[0-9]*$' || echo 0; }
+ticks() { tail -n 1 "$scratch/$size.csv" | cut -d, -f4 | grep '^[0-9][0-9]*$' || echo 0; }
 
 # Holds a key for so many ticks of 50 ms, which take longer where drawing is slow.
 drive() {
