@@ -46,7 +46,8 @@ impl Labels {
         }
     }
 
-    /// Returns the label of a robot of a trial.
+    /// Returns the label of a robot: first those of the trial by their index, then those of the app in the order of the
+    /// indices of their entities.
     pub fn of_robot(&self, robot: usize) -> u32 {
         self.pieces.len() as u32 + self.doors + self.people + 1 + robot as u32
     }

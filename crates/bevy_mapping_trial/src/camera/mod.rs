@@ -5,9 +5,9 @@
 //! [`RobotCameraView`]. It draws whatever the app has in three dimensions, such as the worlds of
 //! [`bevy_envgen`] with its `EnvgenVisuals3dPlugin`. Depth and label images need no plugin for drawing. They
 //! show the bodies of the world ([`envgen::pieces`]) as meshes, with ceilings if `Visuals3dSettings` has
-//! them, and the doors and people of the scenario and the robots of the trial, either as the app draws them,
-//! or else as simple bodies. When all images are complete, they are reported as a [`CameraFrame`] with the
-//! event [`CameraFrameTaken`].
+//! them, and the doors and people of the scenario and all robots, either as the app draws them, or else as simple
+//! bodies. Other meshes of the app are in colour images alone. When all images are complete, they are reported
+//! as a [`CameraFrame`] with the event [`CameraFrameTaken`].
 //!
 //! ```no_run
 //! use bevy::prelude::*;

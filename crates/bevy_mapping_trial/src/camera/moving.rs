@@ -1,6 +1,7 @@
 //! The moving bodies that cameras see: doors and people of scenarios, and robots.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 use bevy::ecs::system::SystemParam;
 use bevy::math::DAffine3;
@@ -24,8 +25,13 @@ use crate::trial::TrialRobot;
 const CLEARANCE: f64 = 0.05;
 
 /// The components of a robot that cameras may see.
-type Seen =
-    (Entity, &'static TrialRobot, &'static RobotModel, &'static ChildOf, &'static GlobalTransform);
+type Seen = (
+    Entity,
+    Option<&'static TrialRobot>,
+    &'static RobotModel,
+    Option<&'static ChildOf>,
+    &'static GlobalTransform,
+);
 
 /// The moving entities and their meshes. Entities that the app draws in three dimensions are seen as they are
 /// drawn, and all others as simple bodies.
@@ -50,31 +56,38 @@ pub(super) struct SceneFrame {
 
 impl Movers<'_, '_> {
     /// Returns the triangles of everything that moves in an environment. This includes the robot with the
-    /// camera, which may see itself.
+    /// camera, which may see itself. `is_here` tells by the parent of a robot whether the robot is in the environment.
     pub(super) fn triangles(
         &self,
-        (environment, world, run): (Entity, &envgen::World, Option<&ScenarioRun>),
+        is_here: impl Fn(Option<Entity>) -> bool,
+        (world, run): (&envgen::World, Option<&ScenarioRun>),
         names: &Labels,
         frame: &SceneFrame,
     ) -> Triangles {
         let mut all = Triangles::default();
         if let Some(run) = run {
-            let is_drawn = self.add_drawn_scenario(run, names, frame, &mut all);
+            let drawn = self.add_drawn_scenario(run, names, frame, &mut all);
             for (target, form) in run.now().bodies(world) {
-                let is_shown = match target {
-                    Target::Leaf(_) => is_drawn[0],
-                    _ => is_drawn[1],
-                };
-                if let Some(label) = names.of_moving(target).filter(|_| !is_shown) {
+                if let Some(label) = names.of_moving(target).filter(|label| !drawn.contains(label))
+                {
                     all.add_form(&form, frame.origin, label);
                 }
             }
         }
-        for (robot, number, model, parent, at) in &self.robots {
-            if parent.parent() != environment {
-                continue;
-            }
-            let label = names.of_robot(number.index);
+        let mut robots: Vec<_> = self
+            .robots
+            .iter()
+            .filter(|(_, _, _, parent, _)| is_here(parent.map(ChildOf::parent)))
+            .collect();
+        // Robots of the app follow those of the trial.
+        robots.sort_unstable_by_key(|(robot, number, ..)| {
+            (number.map_or(usize::MAX, |number| number.index), robot.index_u32())
+        });
+        let mut next = 0;
+        for (robot, number, model, _, at) in robots {
+            let number = number.map_or(next, |number| number.index);
+            next = number.saturating_add(1);
+            let label = names.of_robot(number);
             if !self.add_drawn(robot, label, frame, &mut all) {
                 let at = frame.to_world * at.affine().as_daffine3();
                 let heading = libm::atan2(at.matrix3.x_axis.y, at.matrix3.x_axis.x);
@@ -85,27 +98,31 @@ impl Movers<'_, '_> {
         all
     }
 
-    /// Adds the leaves and the people that the app draws, and returns whether there are any of each.
+    /// Adds the leaves and the people that the app draws, and returns their labels.
     fn add_drawn_scenario(
         &self,
         run: &ScenarioRun,
         names: &Labels,
         frame: &SceneFrame,
         all: &mut Triangles,
-    ) -> [bool; 2] {
-        let mut is_drawn = [false; 2];
+    ) -> BTreeSet<u32> {
+        let mut drawn = BTreeSet::new();
         for (door, children) in run.doors().filter_map(|door| self.doors.get(door).ok()) {
-            let label = names.of_moving(Target::Leaf(door.index())).unwrap_or_default();
+            let Some(label) = names.of_moving(Target::Leaf(door.index())) else { continue };
             for leaf in children.iter().filter(|child| self.leaves.contains(*child)) {
-                is_drawn[0] |= self.add_drawn(leaf, label, frame, all);
+                if self.add_drawn(leaf, label, frame, all) {
+                    drawn.insert(label);
+                }
             }
         }
         for &entity in run.people() {
             let Ok(person) = self.people.get(entity) else { continue };
-            let label = names.of_moving(Target::Person(person.index)).unwrap_or_default();
-            is_drawn[1] |= self.add_drawn(entity, label, frame, all);
+            let Some(label) = names.of_moving(Target::Person(person.index)) else { continue };
+            if self.add_drawn(entity, label, frame, all) {
+                drawn.insert(label);
+            }
         }
-        is_drawn
+        drawn
     }
 
     /// Adds the meshes of an entity and its descendants, and returns whether there are any.

@@ -41,7 +41,10 @@ pub struct CameraFrameTaken {
 }
 
 /// An event that is triggered on a robot when its camera cannot take pictures. It is not triggered again
-/// until another [`RobotCamera`] is inserted.
+/// for the same error until a picture is complete, or another [`RobotCamera`] is inserted.
+///
+/// A camera that has no finite world takes pictures as soon as there is one. A camera whose colours were lost
+/// continues. After any other error, a camera takes no pictures until another [`RobotCamera`] is inserted.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct CameraFailed {
     /// The robot.
@@ -79,6 +82,19 @@ pub(super) struct Shutter {
     dropped: u64,
     /// The number of these since the last complete picture.
     dropped_in_a_row: u32,
+    /// The last error that was reported since the last complete picture.
+    reported: Option<CameraError>,
+}
+
+impl Shutter {
+    /// Reports an error, unless it was the last to be reported since the last complete picture.
+    fn report(&mut self, robot: Entity, error: CameraError, commands: &mut Commands) {
+        if self.reported.as_ref() != Some(&error) {
+            self.reported = Some(error.clone());
+            log::warn!("robot {robot}: {error}");
+            commands.trigger(CameraFailed { entity: robot, error });
+        }
+    }
 }
 
 /// A component with a picture whose colours have not arrived yet.
@@ -254,9 +270,11 @@ pub(super) fn shoot(
             Ok(Some(picture)) => picture,
             Ok(None) => continue,
             Err(error) => {
-                log::warn!("robot {robot}: {error}");
-                commands.entity(robot).try_remove::<Shutter>();
-                commands.trigger(CameraFailed { entity: robot, error });
+                // The app may be about to replace the world.
+                if !matches!(error, CameraError::NoEnvironment | CameraError::Endless) {
+                    commands.entity(robot).try_remove::<Shutter>();
+                }
+                shutter.report(robot, error, &mut commands);
                 continue;
             }
         };
@@ -268,6 +286,7 @@ pub(super) fn shoot(
                 commands.spawn((Readback::texture(view.image.clone()), exposure));
             }
             None => {
+                shutter.reported = None;
                 commands.trigger(CameraFrameTaken { entity: robot, frame: Arc::new(picture) });
             }
         }
@@ -328,8 +347,14 @@ impl Site<'_, '_> {
             let scene = &known.scene;
             let to_world = DAffine3::from_translation(origin.extend(0.0)) * to_frame;
             let frame = SceneFrame { to_world, origin: scene.origin };
-            let around = (entity, &*known.world, run);
-            let moving = self.movers.triangles(around, &known.names, &frame);
+            let environments = &self.environments;
+            let is_alone = environments.iter().len() == 1;
+            let is_here =
+                |parent: Option<Entity>| match parent.filter(|&e| environments.contains(e)) {
+                    Some(own) => own == entity,
+                    None => is_alone,
+                };
+            let moving = self.movers.triangles(is_here, (&known.world, run), &known.names, &frame);
             let CameraFrame { pose, optics, .. } = &picture;
             let numbers = pass.draw((scene, &known.buffer), &moving, pose, optics)?;
             let (depth, labels) = scene.resolve(&moving, &numbers, pose, optics);
@@ -374,6 +399,7 @@ pub(super) fn close(
     mut exposures: Query<(Entity, &mut Exposure, Has<Readback>)>,
     views: Query<&RobotCameraView>,
     mut eyes: Query<&mut Camera>,
+    mut shutters: Query<Option<&mut Shutter>>,
     mut commands: Commands,
 ) {
     for (entity, mut exposure, is_drawn) in &mut exposures {
@@ -387,8 +413,13 @@ pub(super) fn close(
         }
         if exposure.age > MOST_FRAMES {
             let error = CameraError::Driver(format!("no colours within {MOST_FRAMES} frames"));
-            log::warn!("robot {}: {error}", exposure.robot);
-            commands.trigger(CameraFailed { entity: exposure.robot, error });
+            match shutters.get_mut(exposure.robot) {
+                Ok(Some(mut shutter)) => shutter.report(exposure.robot, error, &mut commands),
+                // The camera was removed, or its error was reported.
+                Ok(None) => {}
+                // The robot was despawned after its last picture.
+                Err(_) => Shutter::default().report(exposure.robot, error, &mut commands),
+            }
             commands.entity(entity).despawn();
         }
     }
@@ -419,6 +450,7 @@ pub(super) fn develop(
         if is_complete {
             shutter.dropped_in_a_row = 0;
         }
+        shutter.reported = None;
         frame.number -= shutter.dropped.min(frame.number);
     }
     let CameraOptics { width, height, .. } = frame.optics;

@@ -181,7 +181,9 @@ fn depths_and_labels_are_those_of_rays() {
         for seed in 1..=2 {
             let mut stream = Seed(seed).stream("camera", kind as u64);
             let spec = kind.default_spec();
+            // Ahead of the robot, which it does not see then.
             let camera = RobotCamera {
+                forward: 0.45,
                 up: stream.between(0.2, 1.0),
                 pitch: stream.between(-20.0, 10.0),
                 yaw: stream.between(-30.0, 30.0),
@@ -269,6 +271,15 @@ fn robots_see_each_other() {
     let middle = (frame.optics.height / 2 * frame.optics.width + frame.optics.width / 2) as usize;
     let (depth, labels) = (frame.depth.as_ref().unwrap(), frame.labels.as_ref().unwrap());
     assert_eq!(frame.names.get(labels[middle]).expect("a label").name, "robot_1");
+    // A robot of the app that is below no environment hides the other one.
+    let own = Transform::from_translation((at + 1.4 * Vec2::from_angle(heading)).extend(0.0));
+    let own = own.with_rotation(Quat::from_rotation_z(heading));
+    let own = (RobotModel::default(), own, GlobalTransform::from(own));
+    let own = scene.studio.app().world_mut().spawn(own).id();
+    let hidden = scene.look(at, heading);
+    let labels = hidden.labels.as_ref().unwrap();
+    assert_eq!(hidden.names.get(labels[middle]).expect("a label").name, "robot_3");
+    scene.studio.app().world_mut().despawn(own);
     // The distance is from the camera, 0.3 m ahead of the centre of its robot, to the back of the other
     // robot.
     let back = 0.5 * RobotModel::default().length;

@@ -68,6 +68,34 @@ fn errors_say_what_is_missing() {
 }
 
 #[test]
+fn a_camera_goes_on_once_there_is_a_world_for_it() {
+    let plugins = (EnvgenPlugins::default(), RobotPlugin::default(), RobotCameraPlugin);
+    let mut app = test_app_with(plugins);
+    let errors = Arc::new(Mutex::new(Vec::new()));
+    let kept = errors.clone();
+    app.add_observer(move |failed: On<CameraFailed>| {
+        kept.lock().unwrap().push(failed.error.clone());
+    });
+    let images = CameraImages { color: false, ..default() };
+    app.world_mut().spawn((RobotModel::default(), RobotCamera { images, ..default() }));
+    let anchor = app.world_mut().spawn(Transform::default()).id();
+    let hallway = || Environment::new(HallwaySpec::default(), 1);
+    let forest = Environment::new(ForestSpec::default(), 1).endless(20.0);
+    let around = StreamAround::new(anchor, 20.0);
+    step(&mut app, 4);
+    let environment = app.world_mut().spawn((forest, around)).id();
+    wait_until_ready(&mut app, environment).unwrap();
+    step(&mut app, 4);
+    app.world_mut().despawn(environment);
+    // This app has no renderer, which a camera reports when it takes a picture.
+    let environment = app.world_mut().spawn(hallway()).id();
+    wait_until_ready(&mut app, environment).unwrap();
+    step(&mut app, 4);
+    let expected = [CameraError::NoEnvironment, CameraError::Endless, CameraError::NoRenderer];
+    assert_eq!(errors.lock().unwrap()[..], expected);
+}
+
+#[test]
 fn nothing_is_left_of_a_robot_that_an_observer_despawns_as_it_is_spawned() {
     for (of_model, color) in [(true, true), (true, false), (false, true), (false, false)] {
         let plugins = (EnvgenPlugins::default(), RobotPlugin::default(), RobotCameraPlugin);
