@@ -197,9 +197,11 @@ pub(crate) fn spawn_worlds(
         match placed {
             Ok(made) => spawn_world(world, entity, &global, &made),
             Err(error) => {
-                let suspended = matches!(error, EnvironmentError::Transform { .. });
-                if suspended {
+                if matches!(error, EnvironmentError::Transform { .. }) {
                     suspend(world, entity);
+                } else if let Some(mut tiles) = world.get_mut::<SpawnedTiles>(entity) {
+                    // Another transform would not help.
+                    tiles.suspended = false;
                 }
                 world.get_resource_or_init::<PendingEvents>().push(entity, Err(error));
             }
@@ -285,7 +287,14 @@ fn suspend(world: &mut World, entity: Entity) {
     clear(world, entity);
     crate::scenario::remove(world, entity);
     if let Ok(mut root) = world.get_entity_mut(entity) {
-        root.remove::<(GroundTruth, EndlessTruth, EnvironmentStats, Streaming)>();
+        root.remove::<(
+            EndlessTruth,
+            EnvironmentLandmarks,
+            EnvironmentStats,
+            GroundTruth,
+            SpawnedOrigin,
+            Streaming,
+        )>();
     }
     insert(world, entity, SpawnedTiles { suspended: true, ..default() });
 }

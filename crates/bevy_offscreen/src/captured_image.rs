@@ -19,7 +19,8 @@ impl CapturedImage {
     /// Copies the pixels of an image that Bevy has drawn into.
     ///
     /// # Errors
-    /// Returns an error if the format of the image has no colours.
+    /// Returns an error if the format of the image is none of `Rgba8UnormSrgb`, `Bgra8UnormSrgb`, `Bgra8Unorm`,
+    /// `Rg8Unorm` and `R8Unorm`.
     pub fn of(image: &Image) -> Result<Self, CaptureError> {
         Self::averaged(image, 1)
     }

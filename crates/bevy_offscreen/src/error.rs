@@ -59,8 +59,11 @@ pub enum CaptureError {
         /// The pose.
         found: Transform,
     },
-    /// The format of the camera's image has no colours, for instance a depth format.
-    #[error("the image must have colours, got the format {format}")]
+    /// The format of the camera's image cannot be written, such as a depth format or one with 16 bits per colour.
+    #[error(
+        "the image must have the format Rgba8UnormSrgb, Bgra8UnormSrgb, Bgra8Unorm, Rg8Unorm or R8Unorm, got \
+         {format}"
+    )]
     Format {
         /// The format.
         format: String,

@@ -16,6 +16,9 @@ use crate::error::{CaptureError, MOST_FRAMES};
 ///
 /// A few frames later [`PictureTaken`] or [`PictureFailed`] is triggered on the camera. A camera that is not
 /// active draws until then. While Bevy compiles pipelines, the picture waits, so that it lacks nothing.
+///
+/// Bevy takes one screenshot of a target per frame. An app that spawns a [`Screenshot`] of the same target in the same
+/// frame loses one of the two.
 #[derive(EntityEvent, Clone, Debug)]
 pub struct TakePicture {
     /// The entity of the camera.

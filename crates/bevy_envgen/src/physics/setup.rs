@@ -20,7 +20,8 @@ use super::turned;
 /// By default, rapier has gravity along -y and steps of varying length, so that no two runs are the same.
 /// Apps that add `RapierPhysicsPlugin` themselves do not need this plugin, which then logs a warning and
 /// changes nothing. Only with this plugin do bodies below a turned entity, such as the robots of a trial in a turned
-/// environment, have right transforms: `bevy_rapier2d` 0.36 writes wrong ones.
+/// environment, have right transforms: `bevy_rapier2d` 0.36 writes wrong ones. Such bodies are moved by their
+/// `Transform`: a pose that the app sets in rapier's own `RigidBodySet` is undone by the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TopDownPhysicsPlugin {
     steps_per_second: f64,

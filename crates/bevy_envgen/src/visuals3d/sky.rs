@@ -114,14 +114,18 @@ pub(super) fn add_skies(
     changed: Query<(Entity, &Sky), Renewed>,
     images: Option<ResMut<Assets<Image>>>,
     mut brightness: Local<Option<u32>>,
-    mut skies: Query<&mut Skybox, With<Sky>>,
+    mut skies: Query<(&mut Skybox, &DrawnSky), With<Sky>>,
     mut commands: Commands,
 ) {
     let Some(mut images) = images else { return };
     // By its bits, since a NaN does not equal itself.
     let wanted = settings.brightness.to_bits();
     if brightness.replace(wanted) != Some(wanted) {
-        for mut skybox in &mut skies {
+        // A skybox that the app has replaced is kept.
+        let drawn = |(skybox, drawn): &(Mut<'_, Skybox>, &DrawnSky)| {
+            skybox.image.as_ref() == Some(&drawn.0)
+        };
+        for (mut skybox, _) in skies.iter_mut().filter(drawn) {
             skybox.brightness = INTENSITY * settings.brightness;
         }
     }

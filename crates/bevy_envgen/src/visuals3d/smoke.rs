@@ -2,6 +2,7 @@
 
 use bevy::asset::{AssetServer, uuid_handle};
 use bevy::core_pipeline::prepass::DepthPrepass;
+use bevy::ecs::component::ComponentId;
 use bevy::mesh::{MeshTag, MeshVertexBufferLayoutRef};
 use bevy::pbr::{Material, MaterialPipeline, MaterialPipelineKey, MaterialPlugin, PbrPlugin};
 use bevy::prelude::*;
@@ -239,12 +240,27 @@ pub(super) fn measure_depths(
 ) {
     if smoke.is_empty() {
         for camera in &given {
-            commands.entity(camera).try_remove::<(DepthPrepass, GivenDepths)>();
+            commands.entity(camera).queue_silenced(take_depths);
         }
         return;
     }
     for camera in &cameras {
         commands.entity(camera).try_insert((DepthPrepass, GivenDepths));
+    }
+}
+
+/// Removes the depth prepass that was added to a camera, unless another component of the camera requires it by now,
+/// such as ambient occlusion.
+fn take_depths(mut camera: EntityWorldMut<'_>) {
+    camera.remove::<GivenDepths>();
+    let world = camera.world();
+    let Some(depths) = world.component_id::<DepthPrepass>() else { return };
+    let requires = |&id: &ComponentId| {
+        let required = world.get_required_components_by_id(id);
+        required.is_some_and(|required| required.iter_ids().any(|id| id == depths))
+    };
+    if !camera.archetype().components().iter().any(requires) {
+        camera.remove::<DepthPrepass>();
     }
 }
 

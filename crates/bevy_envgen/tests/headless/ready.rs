@@ -391,6 +391,40 @@ fn a_world_whose_transform_changes_in_every_frame_comes_back() {
 }
 
 #[test]
+fn a_suspended_world_that_cannot_be_generated_fails_once() {
+    #[derive(Resource, Default)]
+    struct Failures(usize);
+    let mut app = test_app();
+    app.init_resource::<Failures>();
+    app.add_observer(|_: On<EnvironmentFailed>, mut failures: ResMut<Failures>| failures.0 += 1);
+    let pace = GenerationMode::Blocking;
+    let environment = Environment::new(HallwaySpec::default(), 1).with_pace(pace);
+    let root = spawn_ready(&mut app, environment).unwrap();
+    assert!(app.world().entity(root).contains::<EnvironmentLandmarks>());
+    app.world_mut().entity_mut(root).insert(Transform::from_scale(Vec3::ZERO));
+    step(&mut app, 2);
+    // There is no world, and so no start in it.
+    assert!(!app.world().entity(root).contains::<EnvironmentLandmarks>());
+    let impossible = ForestSpec { width: -1.0, ..default() };
+    app.world_mut().entity_mut(root).insert(Environment::new(impossible, 1).with_pace(pace));
+    step(&mut app, 2);
+    let before = app.world().resource::<Failures>().0;
+    for frame in 0..5 {
+        let at = Transform::from_xyz(f32::from(frame as u8), 0.0, 0.0);
+        app.world_mut().entity_mut(root).insert(at);
+        step(&mut app, 1);
+    }
+    assert!(app.world().resource::<Failures>().0 <= before + 1);
+    assert_eq!(app.world().get(root), Some(&EnvironmentState::Failed));
+    // A world that can be generated appears.
+    let possible = Environment::new(HallwaySpec::default(), 1).with_pace(pace);
+    app.world_mut().entity_mut(root).insert(possible);
+    step(&mut app, 2);
+    assert_eq!(app.world().get(root), Some(&EnvironmentState::Ready));
+    assert!(app.world().entity(root).contains::<EnvironmentLandmarks>());
+}
+
+#[test]
 fn nothing_is_left_of_an_environment_that_an_observer_of_its_tiles_removes() {
     let mut app = test_app();
     app.add_observer(|spawned: On<TileSpawned>, mut commands: Commands| {

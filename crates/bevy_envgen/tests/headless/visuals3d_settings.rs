@@ -2,6 +2,7 @@
 
 use bevy::core_pipeline::prepass::DepthPrepass;
 use bevy::light::Skybox;
+use bevy::pbr::ContactShadows;
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_envgen::testing::{spawn_ready, step, wait_until_ready};
@@ -57,6 +58,12 @@ fn cameras_have_a_depth_prepass_while_there_is_smoke() {
         assert_eq!(have(&app), [false, true]);
         app.world_mut().entity_mut(root).insert(smoke());
     }
+    // An effect that the app adds while there is smoke keeps what it requires.
+    step(&mut app, 2);
+    app.world_mut().entity_mut(bare).insert(ContactShadows::default());
+    app.world_mut().entity_mut(root).remove::<EnvironmentScenario>();
+    step(&mut app, 2);
+    assert_eq!(have(&app), [true, true]);
 }
 
 #[test]
