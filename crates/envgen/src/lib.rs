@@ -86,6 +86,7 @@ mod dials;
 pub mod difficulty;
 pub mod distance;
 pub mod distribution;
+mod doorways;
 pub mod edit;
 mod error;
 pub mod export;

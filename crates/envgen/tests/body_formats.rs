@@ -141,14 +141,37 @@ fn outlines_that_are_not_convex_are_several_meshes_for_mujoco() {
 }
 
 #[test]
-fn pieces_too_thin_for_mujoco_are_left_out() {
-    // A square of 9 m with a hair on it, wider or thinner than a micrometre.
+fn pieces_too_thin_for_meshes_are_boxes_for_mujoco() {
+    // A square of 9 m with a hair on it.
     let hair = |width| {
         let corners =
             [(0., 0.), (9., 0.), (9., 9.), (5. + width, 9.), (5., 12.), (5., 9.), (0., 9.)];
-        named(&elements(&write(&with_polygon(&corners), "mjcf.xml")), "mesh")
+        let mjcf = elements(&write(&with_polygon(&corners), "mjcf.xml"));
+        // The floor and the area are geoms as well.
+        let bodies = named(&mjcf, "geom").into_iter().filter(|name| name.starts_with("obstacle"));
+        (named(&mjcf, "mesh").len(), bodies.count())
     };
-    assert_eq!((hair(1e-4).len(), hair(1e-9)), (2, vec!["obstacle_0".to_owned()]));
+    assert_eq!((hair(1e-4), hair(1e-6), hair(1e-9)), ((2, 2), (1, 2), (1, 1)));
+    // A kerb of 15 cm along 1000 km, at an angle.
+    let (along, across) = (1e6 * DVec2::new(0.6, 0.8), 0.15 * DVec2::new(-0.8, 0.6));
+    let corners = [DVec2::ZERO, along, along + across, across].map(|p| (p + DVec2::ONE).into());
+    let mut world = with_polygon(&corners);
+    world.bounds.max = DVec2::splat(1e6);
+    let mjcf = elements(&write(&world, "mjcf.xml"));
+    let (_, kerb, _) = mjcf
+        .iter()
+        .find(|(_, attributes, _)| attributes.get("name").is_some_and(|name| name == "obstacle_0"))
+        .expect("the kerb");
+    let numbers = |name: &str| -> Vec<f64> {
+        kerb[name].split(' ').map(|number| number.parse().unwrap()).collect()
+    };
+    let middle = DVec2::ONE + 0.5 * (along + across);
+    let [x, y, z] = numbers("pos")[..] else { panic!("a position") };
+    assert!(DVec2::new(x, y).distance(middle) < 1e-6 && z == 1.25, "{x} {y} {z}");
+    let expected = [5e5, 0.075, 0.75];
+    let sizes = numbers("size");
+    assert!(sizes.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{sizes:?}");
+    assert!((numbers("euler")[2] - libm::atan2(0.8, 0.6)).abs() < 1e-9);
 }
 
 #[test]

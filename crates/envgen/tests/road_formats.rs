@@ -236,6 +236,19 @@ fn equal_neighbours_are_one_geometry() {
 }
 
 #[test]
+fn turns_of_clothoids_alone_have_no_arc() {
+    let spec =
+        RoadSpec { transition: 0.5, length: 6000.0, segment_count: 40, ..Default::default() };
+    let road = spec.generate(Seed(11)).unwrap();
+    check(&road);
+    let file = &read(&write(Format::OpenDrive, &road.to_world()))[0];
+    assert!(file.geometry.len() > 40);
+    for geometry in &file.geometry {
+        assert!(geometry.length > 1e-6, "{geometry:?}");
+    }
+}
+
+#[test]
 fn csv_holds_every_waypoint_with_its_distance() {
     for (transition, random) in [(0.0, 5), (0.25, 12)] {
         let spec = RoadSpec { transition, segment_count: random, step: 2.0, ..Default::default() };

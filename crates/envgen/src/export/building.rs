@@ -15,6 +15,7 @@ use glam::DVec2;
 use super::error::ExportError;
 use super::lanes::Lanes;
 use super::yaml::quoted;
+use crate::doorways::{jambs_of_narrow, near_middles};
 use crate::geometry::{Shape, edges, regular_polygon};
 use crate::world::{PartId, PartKind, World};
 
@@ -130,8 +131,18 @@ impl Plan {
     }
 
     fn add_doors(&mut self, world: &World) {
+        let walls = world.solids().filter(|solid| solid.id.kind != PartKind::Doorway);
+        let walls: Vec<Shape> = walls.map(|solid| solid.shape.into_owned()).collect();
+        let diagonals = world.doorways.iter().map(|doorway| doorway.shape.bounds().size().length());
+        let reach = diagonals.fold(0.0, f64::max);
+        let near = near_middles(world.doorways.iter(), walls.iter().map(Shape::bounds), reach);
         for (i, doorway) in world.doorways.iter().enumerate() {
-            let (a, b, _) = doorway.shape.long_axis();
+            let beside = near.at(doorway.shape.bounds().center()).iter();
+            let narrow = jambs_of_narrow(doorway, beside.map(|&wall| &walls[wall as usize]));
+            let [a, b] = narrow.unwrap_or_else(|| {
+                let (a, b, _) = doorway.shape.long_axis();
+                [a, b]
+            });
             let (from, to) = (self.vertex(a), self.vertex(b));
             let height = height(world, PartId { kind: PartKind::Doorway, index: i as u32 });
             self.doors.push(format!(
@@ -201,4 +212,45 @@ fn centre_line(shape: &Shape) -> Option<(DVec2, DVec2, f64)> {
 fn height(world: &World, part: PartId) -> String {
     let (bottom, top) = world.extent(part).map_or((0.0, 0.0), |it| (it.bottom(), it.top()));
     format!("bottom: [3, {bottom}], top: [3, {top}]")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generate::{Blueprint, Spec};
+    use crate::indoor::IndoorSpec;
+    use crate::seed::Seed;
+
+    #[test]
+    fn doors_close_doorways_that_are_narrower_than_their_wall() {
+        for doorway in [0.3, 0.5, 1.0] {
+            let robot_radius = 0.1;
+            let (cell_size, wall_thickness) = (2.3, 0.5);
+            let spec = IndoorSpec {
+                width: 10,
+                height: 10,
+                cell_size,
+                wall_thickness,
+                doorway,
+                robot_radius,
+                ..Default::default()
+            };
+            let world = spec.generate(Seed(3)).expect("a map").to_world();
+            let mut plan = Plan::default();
+            plan.add_doors(&world);
+            assert!(plan.doors.len() > 10 && plan.doors.len() == world.doorways.len());
+            let numbers = |text: &str| -> Vec<f64> {
+                let parts = text.trim_start_matches('[').split(", ");
+                parts.take(2).map(|part| part.parse().expect("a number")).collect()
+            };
+            let vertices = plan.vertices.iter().map(|vertex| numbers(vertex));
+            let vertices: Vec<DVec2> = vertices.map(|at| DVec2::new(at[0], at[1])).collect();
+            for door in &plan.doors {
+                let [from, to] = [0, 1].map(|i| vertices[numbers(door)[i] as usize]);
+                assert!((from.distance(to) - doorway).abs() < 1e-9, "{doorway}: {from} to {to}");
+                let is_wall = |p| world.walls.iter().any(|wall| wall.shape.distance(p) < 1e-6);
+                assert!(is_wall(from) && is_wall(to), "{doorway}: {from} to {to}");
+            }
+        }
+    }
 }

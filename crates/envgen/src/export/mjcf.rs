@@ -3,7 +3,7 @@
 //! Each piece of the world is a geom of the world body with the name of the piece. Its material has the name of the
 //! piece's kind. Geoms are boxes, cylinders and ellipsoids. Outlines of other forms are meshes; because MuJoCo
 //! takes the convex hull of a mesh, those that are not convex are divided into convex pieces: `obstacle_3`,
-//! `obstacle_3.1` and so on. Floors, surfaces and crowns do not collide; robots drive on the plane `floor`. Start,
+//! `obstacle_3.1` and so on. Pieces that are too thin for meshes are boxes. Floors, surfaces and crowns do not collide; robots drive on the plane `floor`. Start,
 //! goal and victims are sites. The provenance is a custom text. Middle and extent of the model are stated, and with
 //! them planes between which cameras see the whole world from 1 cm on; the near plane would otherwise be 1 % of the
 //! extent that MuJoCo computes.
@@ -11,7 +11,7 @@
 use std::collections::BTreeSet;
 use std::io::Write;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::body::Body;
 use super::error::ExportError;
@@ -32,19 +32,21 @@ const NEAR: f64 = 0.01;
 /// The distance up to which cameras see, in extents of the world. Its diagonal has less than four.
 const FAR: f64 = 10.0;
 
-/// The least thickness in metres of a convex piece of an outline. MuJoCo refuses meshes whose corners lie in one plane;
-/// pieces that are thinner are left out.
+/// The least thickness in metres of a convex piece of an outline; thinner pieces are left out.
 const THINNEST: f64 = 1e-7;
 
-/// The same as a share of the greatest coordinate, because MuJoCo's corners have 32 bits.
+/// The least thickness of a mesh as a share of its greatest coordinate, because MuJoCo's corners have 32 bits, and it
+/// refuses meshes whose corners lie in one plane.
 const SINGLE: f64 = 4.0 * f32::EPSILON as f64;
 
-/// A geom that is a mesh: its name, its position, and the corners of the mesh relative to that position.
+/// A convex piece of an outline: its name, its position, and its corners relative to that position.
 struct Hull {
     name: String,
     place: DVec2,
     corners: Vec<DVec2>,
     extent: Extent,
+    /// Whether it is a box, since it is too thin for a mesh.
+    is_thin: bool,
 }
 
 /// Writes a world.
@@ -67,7 +69,7 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
             for name in kinds {
                 xml.leaf("material", &[("name", name.to_owned())])?;
             }
-            hulls.iter().flatten().try_for_each(|hull| {
+            hulls.iter().flatten().filter(|hull| !hull.is_thin).try_for_each(|hull| {
                 let ends = [hull.extent.bottom(), hull.extent.top()];
                 let corners =
                     ends.into_iter().flat_map(|z| hull.corners.iter().map(move |p| p.extend(z)));
@@ -109,7 +111,7 @@ fn planes(xml: &mut Xml<'_>, world: &World, pieces: &[Piece<'_>]) -> Result<(), 
     })
 }
 
-/// Returns the meshes that represent an outline; an empty list for other forms.
+/// Returns the convex pieces of an outline; an empty list for other forms.
 fn hulls_of(piece: &Piece<'_>) -> Result<Vec<Hull>, ExportError> {
     let Form::Prism { shape, extent } = &piece.form else { return Ok(Vec::new()) };
     let Body::Polygon { corners } = Body::of(shape, *extent) else { return Ok(Vec::new()) };
@@ -119,27 +121,45 @@ fn hulls_of(piece: &Piece<'_>) -> Result<Vec<Hull>, ExportError> {
     let convex =
         convex_pieces(&around).ok_or_else(|| crate::mesh::MeshError { piece: name.clone() })?;
     let farthest = around.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    let least = THINNEST.max(SINGLE * farthest);
     Ok(convex
         .into_iter()
         .map(|corners| corners.into_iter().map(|i| around[i as usize]).collect::<Vec<_>>())
-        .filter(|corners| thickness(corners) >= least)
+        .map(|corners| (thickness(&corners), corners))
+        .filter(|(thickness, _)| *thickness >= THINNEST)
         .enumerate()
-        .map(|(i, corners)| Hull {
+        .map(|(i, (thickness, corners))| Hull {
             name: if i == 0 { name.clone() } else { format!("{name}.{i}") },
             place,
             corners,
             extent: *extent,
+            is_thin: thickness < SINGLE * farthest,
         })
         .collect())
 }
 
 /// Returns how thick a convex polygon is: the distance of the farthest corner from the line through the longest side.
 fn thickness(corners: &[DVec2]) -> f64 {
+    let (start, along) = longest_side(corners);
+    corners.iter().map(|corner| along.perp_dot(*corner - start)).fold(0.0, f64::max)
+}
+
+/// Returns the start and the direction of the longest side of a polygon.
+fn longest_side(corners: &[DVec2]) -> (DVec2, DVec2) {
     let longest = edges(corners).max_by(|(a, b), (c, d)| a.distance(*b).total_cmp(&c.distance(*d)));
-    let Some((a, b)) = longest else { return 0.0 };
-    let along = (b - a).normalize_or_zero();
-    corners.iter().map(|corner| along.perp_dot(*corner - a)).fold(0.0, f64::max)
+    longest.map_or((DVec2::ZERO, DVec2::X), |(a, b)| (a, (b - a).normalize_or(DVec2::X)))
+}
+
+impl Hull {
+    /// Returns the middle, the half sides and the heading of the box around the corners, along their longest side.
+    fn around(&self) -> (DVec2, DVec2, f64) {
+        let (start, along) = longest_side(&self.corners);
+        let ends = self.corners.iter().map(|corner| along.dot(*corner - start));
+        let (near, far) =
+            ends.fold((0.0, 0.0), |(near, far), s| (f64::min(near, s), f64::max(far, s)));
+        let half = 0.5 * DVec2::new(far - near, thickness(&self.corners));
+        let middle = start + along * (near + half.x) + along.perp() * half.y;
+        (self.place + middle, half, libm::atan2(along.y, along.x))
+    }
 }
 
 /// Writes the plane on which robots drive.
@@ -168,15 +188,9 @@ fn geoms(xml: &mut Xml<'_>, piece: &Piece<'_>, hulls: &[Hull]) -> Result<(), Exp
     };
     match &piece.form {
         Form::Prism { shape, extent } => match Body::of(shape, *extent) {
-            Body::Box { center, size, heading } => geom(
-                piece.to_string(),
-                &[
-                    ("type", "box".into()),
-                    ("pos", numbers(center.to_array())),
-                    ("size", numbers((0.5 * size).to_array())),
-                    ("euler", numbers([0.0, 0.0, heading])),
-                ],
-            ),
+            Body::Box { center, size, heading } => {
+                geom(piece.to_string(), &box_of(center, 0.5 * size, heading))
+            }
             Body::Cylinder { center, radius, length } => geom(
                 piece.to_string(),
                 &[
@@ -186,6 +200,12 @@ fn geoms(xml: &mut Xml<'_>, piece: &Piece<'_>, hulls: &[Hull]) -> Result<(), Exp
                 ],
             ),
             Body::Polygon { .. } => hulls.iter().try_for_each(|hull| {
+                if hull.is_thin {
+                    let (middle, half, heading) = hull.around();
+                    let size = half.extend(0.5 * hull.extent.height());
+                    let middle = middle.extend(hull.extent.bottom() + size.z);
+                    return geom(hull.name.clone(), &box_of(middle, size, heading));
+                }
                 let mesh = [
                     ("type", "mesh".into()),
                     ("mesh", hull.name.clone()),
@@ -208,6 +228,16 @@ fn geoms(xml: &mut Xml<'_>, piece: &Piece<'_>, hulls: &[Hull]) -> Result<(), Exp
         // The plane is driven on: the kerbs show where the road is.
         Form::Road { .. } => Ok(()),
     }
+}
+
+/// Returns the attributes of a box with a middle, half sides in metres, and a heading.
+fn box_of(middle: DVec3, half: DVec3, heading: f64) -> [Attribute; 4] {
+    [
+        ("type", "box".into()),
+        ("pos", numbers(middle.to_array())),
+        ("size", numbers(half.to_array())),
+        ("euler", numbers([0.0, 0.0, heading])),
+    ]
 }
 
 fn rgba(Srgb(rgb): Srgb) -> String {

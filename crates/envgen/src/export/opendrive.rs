@@ -14,6 +14,10 @@ use super::xml::{Attribute, Xml, number};
 use crate::curve::{Curve, Path};
 use crate::world::{RoadStrip, World};
 
+/// Curves that are shorter than this share of their road are due to rounding, such as the arc of a turn that is two
+/// clothoids.
+const ROUNDING: f64 = 1e-12;
+
 /// Writes the roads of a world.
 pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportError> {
     if world.road_strips.is_empty() {
@@ -36,13 +40,28 @@ pub(super) fn write(world: &World, out: &mut dyn Write) -> Result<(), ExportErro
                 ("vendor", concat!("envgen ", env!("CARGO_PKG_VERSION")).into()),
             ],
         )?;
-        let paths: Vec<Path<'_>> =
-            world.road_strips.iter().map(|strip| strip.path().merged()).collect();
+        let paths: Vec<Path<'_>> = world
+            .road_strips
+            .iter()
+            .map(|strip| without_rounding(&strip.path().merged()))
+            .collect();
         let objects = RoadObjects::of(world, &paths);
         let mut roads = world.road_strips.iter().zip(&paths).enumerate();
         roads.try_for_each(|(id, road)| write_road(xml, id, road, &objects))
     })?;
     xml.end()
+}
+
+/// Returns a path whose curves also cover what follows them because of rounding. The length stays exactly the same.
+fn without_rounding(path: &Path<'_>) -> Path<'static> {
+    let mut curves: Vec<Curve> = Vec::with_capacity(path.curves().len());
+    for curve in path.curves() {
+        match curves.last_mut() {
+            Some(last) if curve.length < ROUNDING * path.length() => last.length += curve.length,
+            _ => curves.push(*curve),
+        }
+    }
+    Path::new(curves)
 }
 
 fn write_road(

@@ -59,9 +59,11 @@ impl Moving {
         let scenario = Scenario::new(world, &spec, self.scenario_seed.unwrap_or(seed))
             .map_err(|error| Failure::from(error).about("--set"))?;
         if scenario.note().is_some() {
-            note(
-                "nothing moves: no doorway drew a door; another --scenario-seed or more doors may",
-            );
+            note(if spec.doors < 1.0 {
+                "nothing moves: no doorway drew a door; another --scenario-seed or more doors may"
+            } else {
+                "nothing moves: no open doorway has room for a door"
+            });
         }
         Ok(Some(scenario))
     }

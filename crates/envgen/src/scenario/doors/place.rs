@@ -8,9 +8,10 @@ use glam::DVec2;
 use super::door::{Door, DoorKind};
 use super::free_space::{FreeSpace, clears};
 use super::leaf::{DoorShape, Leaf};
+use crate::doorways::{jambs_of_narrow, near_middles};
 use crate::error::SpecError;
 use crate::geometry::{Rect, Shape, edges, polygon_contains, segments_cross};
-use crate::grid::{Convex, GridIndex, index_area};
+use crate::grid::GridIndex;
 use crate::scenario::person::PERSON_RADIUS;
 use crate::scenario::spec::{DoorKinds, ScenarioSpec};
 use crate::seed::Seed;
@@ -18,9 +19,6 @@ use crate::world::{Claim, Doorway, Extent, PartId, Solid, World};
 
 /// The distance in metres that leaves keep from solids in front of their wall.
 const GAP: f64 = 0.02;
-
-/// The most cells of an index in which a solid is listed, on average.
-const LISTINGS: usize = 16;
 
 /// The least radius in metres of a disc for which open leaves leave the free space connected: a person with some room.
 const PERSON_WITH_ROOM: f64 = PERSON_RADIUS + 0.05;
@@ -51,7 +49,8 @@ pub(crate) fn place_doors(
             continue;
         }
         // A leaf along its longer axis would stand in the passage.
-        if around.is_narrower_than_its_wall(doorway) {
+        let solids_near = around.solids_near(doorway).map(|(solid, _)| &solid.1);
+        if jambs_of_narrow(doorway, solids_near).is_some() {
             continue;
         }
         let kind = spec.door_kind.kind(stream.below(3));
@@ -136,17 +135,6 @@ struct Around {
 }
 
 impl Around {
-    /// Whether walls are at the sides of a doorway's longer axis and not at its ends, so that its width is the shorter
-    /// of its two lengths.
-    fn is_narrower_than_its_wall(&self, doorway: &Doorway) -> bool {
-        let (near, far, thickness) = doorway.shape.long_axis();
-        let across = 0.5 * thickness * (far - near).normalize_or(DVec2::X).perp();
-        let middle = 0.5 * (near + far);
-        let touches =
-            |p: DVec2| self.solids_near(doorway).any(|(solid, _)| solid.1.distance(p) < GAP);
-        touches(middle + across) && touches(middle - across) && !touches(near) && !touches(far)
-    }
-
     fn new(world: &World, promised: f64) -> Self {
         let bounds_of = |solid: Solid<'_>| (solid.shape.bounds(), solid.shape.into_owned());
         let solids: Vec<(Rect, Shape)> = world.solids().map(bounds_of).collect();
@@ -166,7 +154,10 @@ impl Around {
     }
 
     /// Returns the solids that the leaves of a doorway can meet, each with whether it is at the height of doorways.
-    fn solids_near(&self, doorway: &Doorway) -> impl Iterator<Item = (&(Rect, Shape), bool)> {
+    fn solids_near(
+        &self,
+        doorway: &Doorway,
+    ) -> impl Iterator<Item = (&(Rect, Shape), bool)> + Clone {
         let near = self.near_solids.at(doorway.shape.bounds().center()).iter();
         near.map(|&i| (&self.solids[i as usize], self.is_low[i as usize]))
     }
@@ -220,13 +211,7 @@ fn near_doorways(
         let (reach, radii) = surroundings(doorway, promised);
         std::f64::consts::SQRT_2 * reach + radii[0]
     };
-    let reach = times * open().map(reach).fold(0.0, f64::max);
-    let bounds: Vec<Rect> = bounds.map(|bounds| bounds.grown(reach)).collect();
-    let middles = open().map(|doorway| doorway.shape.bounds().center());
-    let area = index_area(Rect::around(middles), 1.0);
-    GridIndex::new(area, open().count() as f64, bounds.len(), Some(LISTINGS), |i, frame, visit| {
-        frame.touched_runs(&Convex::Polygon(&Shape::from_rect(bounds[i]).corners()), visit);
-    })
+    near_middles(open(), bounds, times * open().map(reach).fold(0.0, f64::max))
 }
 
 /// Returns the middle half of a door's closed leaf. The ends of the leaf may touch jambs, or extend into them.
