@@ -11,10 +11,10 @@ use mapping_trial::difficulty::proof::{
 use mapping_trial::difficulty::reference_scale;
 use mapping_trial::experiment::Shard;
 
-/// Maps of 6 x 6 cells, one trial each.
+/// Maps of 4 x 4 cells, one trial each.
 fn design() -> ProofDesign {
     ProofDesign {
-        footprints: vec![6],
+        footprints: vec![4],
         maps: 4,
         link: 4,
         dial: Dial::Navigation,
@@ -42,7 +42,7 @@ fn report(results: &Results) -> [String; 3] {
     [
         page(&analysis, scale, results).expect("a page"),
         serde_json::to_string(&analysis).expect("JSON"),
-        figure(design.dial, 6, scale, results).expect("a figure"),
+        figure(design.dial, 4, scale, results).expect("a figure"),
     ]
 }
 
@@ -66,7 +66,7 @@ fn shares_and_continued_runs_make_the_report_of_one_run() {
     let [page, summary, svg] = &expected;
     assert!(page.contains("Requested and measured difficulty of navigation"));
     assert!(summary.contains("\"dial\":\"navigation\""));
-    assert!(svg.contains("measured difficulty of navigation of 6 x 6 cells"));
+    assert!(svg.contains("measured difficulty of navigation of 4 x 4 cells"));
     // On this dial, maps of other requests differ, as far as four of them show.
     let calibrated = &results[0].1;
     assert_eq!(calibrated.len(), 4);
