@@ -1,12 +1,12 @@
 //! Worlds for MuJoCo, as MJCF.
 //!
 //! Each piece of the world is a geom of the world body with the name of the piece. Its material has the name of the
-//! piece's kind. Geoms are boxes, cylinders and ellipsoids. Outlines of other forms are meshes; because MuJoCo
-//! takes the convex hull of a mesh, those that are not convex are divided into convex pieces: `obstacle_3`,
-//! `obstacle_3.1` and so on. Pieces that are too thin for meshes are boxes. Floors, surfaces and crowns do not collide; robots drive on the plane `floor`. Start,
-//! goal and victims are sites. The provenance is a custom text. Middle and extent of the model are stated, and with
-//! them planes between which cameras see the whole world from 1 cm on; the near plane would otherwise be 1 % of the
-//! extent that MuJoCo computes.
+//! piece's kind. Geoms are boxes, cylinders and ellipsoids. Outlines of other forms are meshes; because MuJoCo takes
+//! the convex hull of a mesh, those that are not convex are divided into convex pieces: `obstacle_3`, `obstacle_3.1`
+//! and so on. Pieces that are too thin for meshes are boxes. Floors, surfaces and crowns do not collide; robots drive
+//! on the plane `floor`. Start, goal and victims are sites. The provenance is a custom text. Middle and extent of the
+//! model are stated, and with them planes between which cameras see the whole world from 1 cm on; the near plane would
+//! otherwise be 1 % of the extent that MuJoCo computes.
 
 use std::collections::BTreeSet;
 use std::io::Write;
