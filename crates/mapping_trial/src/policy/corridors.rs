@@ -42,6 +42,7 @@ pub(super) struct Corridors {
 impl Corridors {
     pub(super) fn new(mut navigator: Navigator, robots: usize) -> Self {
         navigator.margins.cruise *= CAUTION;
+        navigator.margins.steady *= CAUTION;
         Corridors {
             navigator,
             homes: vec![None; robots],

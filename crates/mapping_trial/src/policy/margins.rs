@@ -10,6 +10,9 @@ use crate::robot::{PIONEER_3AT, Robot};
 /// fraction of their greatest speed.
 const CRUISE: f64 = 0.5;
 
+/// Distance in metres within which a Pioneer 3-AT that cruises can stop.
+const BRAKING: f64 = 0.25;
+
 /// Greatest number of ticks between two scans for which echoes need not be moved with the robot. In
 /// this time a Pioneer 3-AT moves 10 cm or turns by 16 degrees.
 const FRESH: u32 = 4;
@@ -37,6 +40,9 @@ pub(super) struct Margins {
     pub(super) slowness: f64,
     /// Speed on open ground.
     pub(super) cruise: f64,
+    /// Speed at which the robot drives where it may soon have to brake: as on open ground, but at most the speed from
+    /// which it can stop within the same distance as a Pioneer 3-AT.
+    pub(super) steady: f64,
     /// Speed at which the robot drives around obstacles that are not on the map.
     pub(super) creep: f64,
     /// Distance ahead on the path that the robot drives towards.
@@ -94,6 +100,7 @@ impl Margins {
         Margins {
             slowness,
             cruise,
+            steady: cruise.min((2.0 * robot.acceleration * BRAKING).sqrt()),
             creep: slow,
             lookahead: (1.2 * cruise).max(0.6),
             feet: 0.4 + larger,
@@ -143,6 +150,7 @@ mod tests {
         let expected = Margins {
             slowness: 1.0,
             cruise: 0.5,
+            steady: 0.5,
             creep: 0.15,
             lookahead: 0.6,
             feet: 0.4,

@@ -27,6 +27,12 @@ const FULL_SPEED_RADIUS: f64 = 0.8;
 /// Distance in metres between the body and an echo below which the robot slows down.
 const NEAR: f64 = 0.3;
 
+/// Distance in metres at which the part of the path that a robot sees ahead as straight ends at the latest.
+const FARTHEST: f64 = 5.0;
+
+/// Angle in radians by which a straight path may deviate from the heading of the robot.
+const STRAIGHT: f64 = 0.2;
+
 /// Angle in radians between the directions that are tried around an obstacle.
 const FAN: f64 = 0.087;
 
@@ -74,7 +80,14 @@ impl Pursuit {
         let end = (robot.acceleration * left).sqrt() + 0.05;
         // A robot that turns slowly would leave the curve.
         let turnable = robot.max_turn_rate / curvature.abs();
-        let speed = (margins.cruise * bend * near).min(end).min(allowed).min(turnable);
+        let steady = margins.steady * bend * near;
+        let open = straight_ahead(pose, path, costmap, margins).min(free - STOP).max(0.0);
+        // Brakes towards the next curve as towards the end.
+        let fast = (margins.steady * margins.steady + robot.acceleration * open).sqrt();
+        let more = (fast.min(margins.cruise) - margins.steady).max(0.0);
+        // The half of the slowest curves, and of the nearest walls, is driven as if there were no straight.
+        let speed = steady + more * (2.0 * bend * near - 1.0).max(0.0);
+        let speed = speed.min(end).min(allowed).min(turnable);
         let turn_rate = (speed * curvature).clamp(-robot.max_turn_rate, robot.max_turn_rate);
         Command { speed, turn_rate }
     }
@@ -116,6 +129,27 @@ fn target(p: DVec2, path: &Path, costmap: &mut Costmap, lookahead: f64) -> Optio
         }
     });
     target
+}
+
+/// Distance in metres for which the path ahead is straight, and not narrow; 0 for robots that always drive at a speed
+/// from which they stop soon.
+fn straight_ahead(pose: Pose, path: &Path, costmap: &mut Costmap, margins: &Margins) -> f64 {
+    let mut straight = 0.0;
+    if margins.cruise <= margins.steady {
+        return straight;
+    }
+    let (axis, mut before) = (unit_vector(pose.heading), pose.position);
+    path.ahead(0.1, FARTHEST, |ahead| {
+        let to = ahead - pose.position;
+        let distance = to.length();
+        let is_straight = distance < 0.3 || axis.dot(to) >= libm::cos(STRAIGHT) * distance;
+        if !is_straight || worst_between(costmap, before, ahead) >= CellCost::Tight {
+            return false;
+        }
+        (straight, before) = (distance, ahead);
+        true
+    });
+    straight
 }
 
 /// Turns on the spot by an angle, and brakes in time.

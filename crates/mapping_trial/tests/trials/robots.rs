@@ -162,6 +162,25 @@ fn slow_robots_explore_as_well() {
 }
 
 /// Lasers with one scan in 1 to 5 s, and lasers that look backwards.
+/// Robots that need metres to stop brake before curves and near walls.
+#[test]
+fn fast_robots_hardly_collide() {
+    let mut collisions = 0;
+    for seed in 1..=3 {
+        let spec = IndoorSpec { width: 6, height: 6, ..Default::default() };
+        let world = spec.generate(Seed(seed)).expect("a map").to_world();
+        let body = Robot { max_speed: 3.0, acceleration: 2.0, ..Robot::default() };
+        let settings = TrialSettings { body, seed: Seed(seed), ..Default::default() };
+        let mut trial = Trial::flat(&world, settings).expect("a free start");
+        while trial.step() {}
+        let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
+        assert!(scores.coverage > 0.95, "seed {seed}: {scores:?}");
+        collisions += scores.collisions;
+    }
+    // 62 without braking for what is ahead.
+    assert!(collisions <= 10, "{collisions}");
+}
+
 #[test]
 fn slow_lasers_and_lasers_that_look_backwards_explore_as_well() {
     let backwards = LaserMount { heading: PI, ..LaserMount::default() };
