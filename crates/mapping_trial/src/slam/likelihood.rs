@@ -48,6 +48,9 @@ pub struct LikelihoodField {
     origin: IVec2,
     cols: i32,
     rows: i32,
+    /// Whether the field was emptied because it would have grown beyond its limit, so that ground outside of it may
+    /// have lost its stamps.
+    is_moved: bool,
     levels: Vec<Level>,
 }
 
@@ -116,7 +119,7 @@ impl LikelihoodField {
             Level { block, stamps: Stamps::new(block), cells: Vec::new() }
         };
         let levels = blocks.iter().map(level).collect();
-        LikelihoodField { origin: IVec2::ZERO, cols: 0, rows: 0, levels }
+        LikelihoodField { origin: IVec2::ZERO, cols: 0, rows: 0, is_moved: false, levels }
     }
 
     /// Returns the blocks of the levels, in order.
@@ -152,8 +155,9 @@ impl LikelihoodField {
     /// Makes the field cover a square of half side `radius` metres around a point, with space for
     /// stamps and blocks.
     ///
-    /// Earlier stamps are kept if possible. Returns false if the field had to be emptied, because it
-    /// would have grown beyond its limit. Squares of more than about 90 m half side are cut.
+    /// Earlier stamps are kept if possible. Returns false if the field may lack stamps: because it had to be emptied,
+    /// as it would have grown beyond its limit, or because it has grown since then, perhaps over ground that it covered
+    /// before. Squares of more than about 90 m half side are cut.
     pub fn cover(&mut self, centre: DVec2, radius: f64) -> bool {
         let largest = self.levels.iter().map(|level| level.block).max().unwrap_or(1);
         let margin = REACH + largest + 32;
@@ -179,15 +183,16 @@ impl LikelihoodField {
         if (grown_high - grown_low).max_element() > MOST_CELLS {
             let (low, high) = spare(low, high);
             self.place(low, high);
+            self.is_moved = true;
             return false;
         }
         self.grow(grown_low, grown_high);
-        true
+        !self.is_moved
     }
 
     /// Forgets all echoes, and covers a square around a point instead.
     pub fn reset(&mut self, centre: DVec2, radius: f64) {
-        (self.cols, self.rows) = (0, 0);
+        (self.cols, self.rows, self.is_moved) = (0, 0, false);
         self.cover(centre, radius);
     }
 
@@ -361,8 +366,13 @@ mod tests {
         assert!(!field.cover(DVec2::new(5000.0, 0.0), 10.0));
         assert!(field.cells(0).iter().all(|&cell| cell == 0));
         assert!(field.cells(0).len() < 1 << 22);
+        // Back on old ground, whose stamps are lost, it says so as well.
+        assert!(field.cover(DVec2::new(5001.0, 0.0), 10.0));
+        assert!(!field.cover(DVec2::new(4950.0, 0.0), 10.0));
+        field.reset(DVec2::ZERO, 10.0);
+        assert!(field.cover(DVec2::new(50.0, 0.0), 10.0));
         // Stamps outside of the field are left out.
-        field.stamp(DVec2::ZERO);
+        field.stamp(DVec2::new(5000.0, 0.0));
         field.stamp(DVec2::splat(f64::NAN));
     }
 }

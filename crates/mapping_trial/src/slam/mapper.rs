@@ -443,8 +443,8 @@ fn draw(painter: &mut ScanInserter, map: &mut OccupancyMap, laser: Pose, keyfram
     }
 }
 
-/// Makes a field cover a position. If the field has to be moved, the keyframes around are stamped
-/// again.
+/// Makes a field cover a position. If stamps may be missing because the field had to be moved, all keyframes are
+/// stamped again.
 fn cover(field: &mut LikelihoodField, keyframes: &[Keyframe], centre: Pose, radius: f64) {
     if !field.cover(centre.position, radius) {
         for keyframe in keyframes {
