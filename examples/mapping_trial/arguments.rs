@@ -259,6 +259,7 @@ impl Arguments {
 
     /// Returns the settings of the trial. If neither the arguments nor the world give a start, it is in
     /// the largest free region, away from walls.
+    #[expect(clippy::print_stderr, reason = "a note for the person at the terminal")]
     pub(crate) fn settings(&self, world: &World) -> Result<TrialSettings, Box<dyn Error>> {
         let settings = TrialSettings {
             body: self.robot.as_deref().map_or(Ok(Robot::default()), robot::read)?,
@@ -274,6 +275,10 @@ impl Arguments {
             odometry: self.odometry.clone(),
         };
         settings.validate()?;
+        // A driver may have an estimator of its own.
+        if let Some(text) = settings.slam.doubt(&settings.laser).filter(|_| self.driver.is_none()) {
+            eprintln!("note: {text}");
+        }
         start::with_start(world, settings)
     }
 }

@@ -44,6 +44,12 @@ pub use wheel_calibration::WheelCalibration;
 use crate::lidar::LaserProfile;
 use crate::robot::Robot;
 
+/// Fewest beams, least field of view in radians and least range in metres with which scan matching was seen to keep the
+/// pose of robots in buildings.
+const FEWEST_BEAMS: u32 = 24;
+const LEAST_VIEW: f64 = 1.5;
+const LEAST_RANGE: f64 = 3.0;
+
 /// The built-in estimators.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
@@ -63,6 +69,41 @@ impl SlamKind {
     /// All of them.
     pub const ALL: [SlamKind; 3] =
         [SlamKind::DeadReckoning, SlamKind::ScanToMap, SlamKind::PoseGraph];
+
+    /// Returns why the estimator may be no better than the wheels with a laser, or worse, as a text for a person. With
+    /// lasers that see less, the errors of the pose were metres in maps of 18 m.
+    ///
+    /// ```
+    /// use mapping_trial::{lidar::LaserProfile, slam::SlamKind};
+    ///
+    /// let few = LaserProfile { beams: 8, ..Default::default() };
+    /// let text = SlamKind::ScanToMap.doubt(&few).expect("too few beams");
+    /// assert!(text.starts_with("scan matching needs 24 beams or more, and the laser has 8"));
+    /// assert_eq!(SlamKind::ScanToMap.doubt(&LaserProfile::default()), None);
+    /// assert_eq!(SlamKind::DeadReckoning.doubt(&few), None);
+    /// ```
+    pub fn doubt(self, laser: &LaserProfile) -> Option<String> {
+        if self == SlamKind::DeadReckoning {
+            return None;
+        }
+        let LaserProfile { beams, field_of_view, max_range, .. } = *laser;
+        let short = if beams < FEWEST_BEAMS {
+            format!("{FEWEST_BEAMS} beams or more, and the laser has {beams}")
+        } else if field_of_view < LEAST_VIEW {
+            let degrees = field_of_view.to_degrees();
+            format!(
+                "{:.0} degrees or more, and the laser sees {degrees:.0}",
+                LEAST_VIEW.to_degrees()
+            )
+        } else if max_range < LEAST_RANGE {
+            format!("a range of {LEAST_RANGE} m or more, and the laser has {max_range} m")
+        } else {
+            return None;
+        };
+        Some(format!(
+            "scan matching needs {short}: poses may be no better than those of the wheels, or worse"
+        ))
+    }
 
     /// Creates an estimator for robots at the poses `starts`, all with the same body and laser. It
     /// learns those errors of the wheels that `calibration` names.

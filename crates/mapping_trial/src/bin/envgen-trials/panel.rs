@@ -97,6 +97,9 @@ impl PanelOptions {
         }
         if let Some(laser) = &self.laser {
             let profile: LaserProfile = named_or_read(laser).in_option("--laser", laser)?;
+            if let Some(text) = self.slam.unwrap_or_default().doubt(&profile) {
+                warn(&text);
+            }
             let laser = file_name(laser);
             change(&mut panel, &format!("laser {laser}"), |one| {
                 one.name = sensed_by(laser, one);
