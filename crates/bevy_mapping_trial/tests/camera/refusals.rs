@@ -68,7 +68,7 @@ fn errors_say_what_is_missing() {
 }
 
 #[test]
-fn a_camera_goes_on_once_there_is_a_world_for_it() {
+fn a_camera_continues_once_there_is_a_world_for_it() {
     let plugins = (EnvgenPlugins::default(), RobotPlugin::default(), RobotCameraPlugin);
     let mut app = test_app_with(plugins);
     let errors = Arc::new(Mutex::new(Vec::new()));
