@@ -84,3 +84,21 @@ fn settings_that_are_not_numbers_are_applied_once() {
     step(&mut app, 3);
     assert_eq!(drawn(&mut app), before);
 }
+
+#[test]
+fn the_brightness_of_a_skybox_of_the_app_is_kept() {
+    let mut app = app();
+    let [given, own] = [(); 2].map(|()| app.world_mut().spawn(Camera3d::default()).id());
+    spawn_ready(&mut app, indoor(8)).unwrap();
+    step(&mut app, 2);
+    let brightness = |app: &App| {
+        [given, own].map(|eye| app.world().get::<Skybox>(eye).expect("a sky").brightness)
+    };
+    let before = brightness(&app);
+    let loaded = app.world_mut().resource_mut::<Assets<Image>>().add(Image::default());
+    let skybox = Skybox { image: Some(loaded), brightness: 5000.0, ..default() };
+    app.world_mut().entity_mut(own).insert(skybox);
+    app.world_mut().resource_mut::<Visuals3dSettings>().brightness *= 2.0;
+    step(&mut app, 2);
+    assert_eq!(brightness(&app), [2.0 * before[0], 5000.0]);
+}

@@ -11,9 +11,8 @@ use bevy_mapping_trial::camera::{
 use bevy_mapping_trial::prelude::*;
 use bevy_mapping_trial::view3d::RobotVisuals3dPlugin;
 
-/// Spawns a robot with a camera in an app without a renderer, and returns the errors that were reported for
-/// it.
-fn errors(camera: RobotCamera, world: Option<Environment>) -> Vec<CameraError> {
+/// Creates an app without a renderer, and the list of the errors that cameras report in it.
+fn app_with_errors() -> (App, Arc<Mutex<Vec<CameraError>>>) {
     let plugins = (EnvgenPlugins::default(), RobotPlugin::default(), RobotCameraPlugin);
     let mut app = test_app_with(plugins);
     let errors = Arc::new(Mutex::new(Vec::new()));
@@ -21,6 +20,13 @@ fn errors(camera: RobotCamera, world: Option<Environment>) -> Vec<CameraError> {
     app.add_observer(move |failed: On<CameraFailed>| {
         kept.lock().unwrap().push(failed.error.clone());
     });
+    (app, errors)
+}
+
+/// Spawns a robot with a camera in an app without a renderer, and returns the errors that were reported for
+/// it.
+fn errors(camera: RobotCamera, world: Option<Environment>) -> Vec<CameraError> {
+    let (mut app, errors) = app_with_errors();
     if let Some(world) = world {
         let anchor = app.world_mut().spawn(Transform::default()).id();
         let environment = app.world_mut().spawn((world, StreamAround::new(anchor, 20.0))).id();
@@ -69,17 +75,10 @@ fn errors_say_what_is_missing() {
 
 #[test]
 fn a_camera_continues_once_there_is_a_world_for_it() {
-    let plugins = (EnvgenPlugins::default(), RobotPlugin::default(), RobotCameraPlugin);
-    let mut app = test_app_with(plugins);
-    let errors = Arc::new(Mutex::new(Vec::new()));
-    let kept = errors.clone();
-    app.add_observer(move |failed: On<CameraFailed>| {
-        kept.lock().unwrap().push(failed.error.clone());
-    });
+    let (mut app, errors) = app_with_errors();
     let images = CameraImages { color: false, ..default() };
     app.world_mut().spawn((RobotModel::default(), RobotCamera { images, ..default() }));
     let anchor = app.world_mut().spawn(Transform::default()).id();
-    let hallway = || Environment::new(HallwaySpec::default(), 1);
     let forest = Environment::new(ForestSpec::default(), 1).endless(20.0);
     let around = StreamAround::new(anchor, 20.0);
     step(&mut app, 4);
@@ -88,7 +87,8 @@ fn a_camera_continues_once_there_is_a_world_for_it() {
     step(&mut app, 4);
     app.world_mut().despawn(environment);
     // This app has no renderer, which a camera reports when it takes a picture.
-    let environment = app.world_mut().spawn(hallway()).id();
+    let hallway = Environment::new(HallwaySpec::default(), 1);
+    let environment = app.world_mut().spawn(hallway).id();
     wait_until_ready(&mut app, environment).unwrap();
     step(&mut app, 4);
     let expected = [CameraError::NoEnvironment, CameraError::Endless, CameraError::NoRenderer];

@@ -85,7 +85,7 @@ impl Pursuit {
         // Brakes towards the next curve as towards the end.
         let fast = (margins.steady * margins.steady + robot.acceleration * open).sqrt();
         let more = (fast.min(margins.cruise) - margins.steady).max(0.0);
-        // The half of the slowest curves, and of the nearest walls, is driven as if there were no straight.
+        // Nothing is added in curves, or near walls, that halve the speed.
         let speed = steady + more * (2.0 * bend * near - 1.0).max(0.0);
         let speed = speed.min(end).min(allowed).min(turnable);
         let turn_rate = (speed * curvature).clamp(-robot.max_turn_rate, robot.max_turn_rate);

@@ -91,10 +91,7 @@ impl SlamKind {
             format!("{FEWEST_BEAMS} beams or more, and the laser has {beams}")
         } else if field_of_view < LEAST_VIEW {
             let degrees = field_of_view.to_degrees();
-            format!(
-                "{:.0} degrees or more, and the laser sees {degrees:.0}",
-                LEAST_VIEW.to_degrees()
-            )
+            format!("about 90 degrees or more, and the laser sees {degrees:.0}")
         } else if max_range < LEAST_RANGE {
             format!("a range of {LEAST_RANGE} m or more, and the laser has {max_range} m")
         } else {

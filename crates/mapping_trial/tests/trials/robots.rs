@@ -162,7 +162,7 @@ fn slow_robots_explore_as_well() {
 }
 
 /// Lasers with one scan in 1 to 5 s, and lasers that look backwards.
-/// Robots that need metres to stop brake before curves and near walls.
+/// Robots that need more than a metre to stop brake before curves and near walls.
 #[test]
 fn fast_robots_hardly_collide() {
     let mut collisions = 0;
