@@ -251,6 +251,15 @@ written second.xml || fail "Ctrl+S does not save a project"
 sed 's/name="second"/name="plan"/' second.xml | cmp - plan.xml || fail "the project has changed"
 press ctrl+q
 ended
+# A project with a name of its own would lose it.
+sed 's/name="plan"/name="another"/' plan.xml >named.xml
+cp named.xml named.before
+open named.xml
+press ctrl+s
+written out/edit/named.ron || fail "no out/edit/named.ron"
+cmp named.xml named.before || fail "the name of a project is lost"
+press ctrl+q
+ended
 
 # The parts of another world.
 open forest --seed 2 --set width=20 --set height=20 --out forest.ron
@@ -266,6 +275,24 @@ same "$(parts forest.ron obstacles)" 1 "obstacles in the forest"
 press Delete ctrl+s
 sleep 1
 same "$(parts forest.ron obstacles)" 0 "obstacles after it was removed"
+# Files of others are replaced after a question only.
+press ctrl+z
+echo kept >kept.ron
+name kept.ron
+picture asks_to_replace
+press Escape
+same "$(cat kept.ron)" kept "a file that exists"
+name kept.ron
+sleep 0.5
+click 507 375
+sleep 1
+same "$(parts kept.ron obstacles)" 1 "obstacles in the file that was replaced"
+# A slow click is no change: nothing is asked.
+at 620 330
+xdotool mousedown 1
+sleep 1.5
+xdotool mouseup 1
+picture slow_click
 press ctrl+q
 ended
 

@@ -54,6 +54,8 @@ pub(crate) struct Opened {
     pub(crate) name: String,
     /// The file to save to.
     pub(crate) out: PathBuf,
+    /// Whether this file is to be replaced: it was opened or named.
+    pub(crate) is_own: bool,
     /// A note to the person about what was left out.
     pub(crate) note: Option<String>,
 }
@@ -94,7 +96,8 @@ impl Arguments {
         let name = format!("{}_{}", spec.kind(), self.seed);
         let out = self.out.clone().unwrap_or_else(|| usual(&name));
         let name = format!("{}, seed {}", spec.kind(), self.seed);
-        Ok(Opened { document, catalogue: rooms, name, out, note: None })
+        let is_own = self.out.is_some();
+        Ok(Opened { document, catalogue: rooms, name, out, is_own, note: None })
     }
 
     fn open_world(&self, path: &Path) -> Result<Opened, Box<dyn Error>> {
@@ -105,9 +108,13 @@ impl Arguments {
             let mut file = File::open(path).in_file(path)?;
             let project = import::read_world_generator_project(&mut file, &catalogue, &[]);
             let project = project.in_file(path)?;
-            let ignored = project.doors_ignored + project.elements_ignored;
-            let note = format!("{ignored} doors or other elements of the file lead nowhere");
-            (Document::from_plan(project.plan), ignored == 0, (ignored > 0).then_some(note))
+            let elements = project.doors_ignored + project.elements_ignored;
+            let ignored = elements + project.attributes_ignored;
+            let note = format!("{ignored} elements or attributes of the file have no meaning here");
+            // Projects are written with the name of their file.
+            let keeps_name = path.file_stem().is_some_and(|stem| stem == project.name.as_str());
+            let is_whole = ignored == 0 && keeps_name;
+            (Document::from_plan(project.plan), is_whole, (ignored > 0).then_some(note))
         } else {
             let (world, is_whole) = read(path, ending.as_deref())?;
             (Document::from_world(world), is_whole, None)
@@ -121,7 +128,8 @@ impl Arguments {
             _ => catalogue,
         };
         let (name, out) = (self.what.clone(), self.out.clone().unwrap_or(again));
-        Ok(Opened { document, catalogue, name, out, note })
+        let is_own = is_written_again || self.out.is_some();
+        Ok(Opened { document, catalogue, name, out, is_own, note })
     }
 
     fn set(&self, spec: &mut WorldSpec) -> Result<(), Box<dyn Error>> {

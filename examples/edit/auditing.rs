@@ -55,6 +55,11 @@ impl<T: Send + 'static> Latest<T> {
         self.found.as_ref()
     }
 
+    /// Returns the finding if it is for a state. What it names by index may be something else in another.
+    pub(crate) fn of(&self, revision: u64) -> Option<&T> {
+        self.found.as_ref().filter(|_| self.revision == revision)
+    }
+
     /// Whether it is not for the present state.
     pub(crate) fn is_running(&self) -> bool {
         self.running.is_some()

@@ -2,7 +2,7 @@
 
 use bevy_mapping_trial::ui::egui;
 use egui::{PointerButton, Sense, Ui};
-use envgen::edit::{Change, Target};
+use envgen::edit::{Change, Target, WorldEdit};
 use envgen::glam::DVec2;
 use envgen::indoor::{Edit, PlanTarget};
 
@@ -90,8 +90,11 @@ fn select(ui: &Ui, response: &egui::Response, session: &mut Session, reach: f64)
     {
         match moved(session, drag, at) {
             Some(change) if is_move(session, &change) => _ = session.change(change, at),
-            Some(_) => {}
-            None => session.refuse("this cannot be moved".to_owned(), at),
+            // A slow click counts as a drag.
+            None if drag.from.distance(at) > reach => {
+                session.refuse("this cannot be moved".to_owned(), at);
+            }
+            _ => {}
         }
     } else if response.clicked_by(PointerButton::Primary)
         && let Some(at) = at
@@ -111,7 +114,12 @@ fn moved(session: &Session, drag: Drag, to: DVec2) -> Option<Change> {
 
 /// Whether a room or part changes its position.
 fn is_move(session: &Session, change: &Change) -> bool {
-    let Change::Plan(edit) = change else { return true };
+    let edit = match change {
+        Change::Plan(edit) => edit,
+        Change::World(edit) => {
+            return !matches!(**edit, WorldEdit::Move { by, .. } if by == DVec2::ZERO);
+        }
+    };
     match **edit {
         Edit::MoveRoom { room, x, y } => session
             .document

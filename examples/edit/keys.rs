@@ -32,7 +32,7 @@ pub(crate) fn act(
             key if is_down && held.control => {
                 with_control(session, key, held.shift, panels.wants_any_keyboard_input());
             }
-            key if is_down && !session.asks && !panels.wants_any_keyboard_input() => {
+            key if is_down && session.question.is_none() && !panels.wants_any_keyboard_input() => {
                 plain(session, key, held.shift, input.repeat);
             }
             _ => {}
@@ -46,8 +46,8 @@ pub(crate) fn act(
 fn with_control(session: &mut Session, key: &Key, shift: bool, is_typing: bool) {
     let Key::Character(letter) = key else { return };
     match (letter.to_lowercase().as_str(), shift) {
-        _ if session.asks => {}
-        ("s", _) => _ = session.save(),
+        _ if session.question.is_some() => {}
+        ("s", _) => session.save(),
         ("q", _) => session.close(),
         _ if is_typing => {}
         ("z", false) => session.undo(),

@@ -112,7 +112,9 @@ fn unreached(painter: &Painter, session: &Session) {
         mesh.add_triangle(first, first + 2, first + 3);
     }
     painter.add(mesh);
-    for &room in &places.rooms {
+    // Rooms of an earlier state may have other numbers.
+    let present = session.auditing.audit.of(session.revision).map(|_| &places.rooms);
+    for &room in present.into_iter().flatten() {
         if let Some(room) = session.document.world().rooms.get(room as usize) {
             draw(painter, session, &room.shape, Color32::TRANSPARENT, Stroke::new(2.5, UNREACHED));
         }

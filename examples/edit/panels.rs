@@ -12,7 +12,7 @@ use envgen::certificate::Verdict;
 use envgen::edit::{Target, WorldEdit, WorldTarget};
 use envgen::world::PartKind;
 
-use crate::session::{Answer, Session, TURN};
+use crate::session::{Answer, Question, Session, TURN};
 use crate::tools::{Piece, Tool};
 use crate::{canvas, painting};
 
@@ -66,8 +66,8 @@ pub(crate) fn panels(
         status(ui, session);
     });
     CentralPanel::no_frame().frame(Frame::NONE).show(&mut screen, |ui| canvas::show(ui, session));
-    if session.asks {
-        question(context, session);
+    if let Some(question) = session.question.clone() {
+        ask(context, session, &question);
     }
     Ok(())
 }
@@ -226,7 +226,7 @@ fn selection(ui: &mut Ui, session: &mut Session) {
     ui.horizontal(|ui| {
         let turns = session.document.turned(target, TURN).is_some();
         if ui.add_enabled(turns, Button::new("Turn")).on_hover_text("R, Shift+R back").clicked() {
-            session.turn(TURN);
+            session.turn_selected(TURN);
         }
         if ui.button("Remove").on_hover_text("Delete").clicked() {
             session.remove();
@@ -287,12 +287,14 @@ fn findings(ui: &mut Ui, session: &Session) {
             };
             let text = format!("{area:.1} m², {rooms}");
             ui.label(RichText::new(text).color(painting::UNREACHED).strong());
-            for &room in places.rooms.iter().take(6) {
+            // Rooms of an earlier state may have other numbers.
+            let is_present = session.auditing.audit.of(session.revision).is_some();
+            for &room in places.rooms.iter().take(if is_present { 6 } else { 0 }) {
                 if let Some(room) = session.document.world().rooms.get(room as usize) {
                     ui.label(format!("room `{}`", room.name));
                 }
             }
-            if places.rooms.len() > 6 {
+            if is_present && places.rooms.len() > 6 {
                 ui.weak(format!("and {} more", places.rooms.len() - 6));
             }
         }
@@ -352,22 +354,34 @@ fn status(ui: &mut Ui, session: &Session) {
     });
 }
 
-/// The question about changes that are not saved.
-fn question(context: &egui::Context, session: &mut Session) {
+/// Shows a question, and carries out its answer.
+fn ask(context: &egui::Context, session: &mut Session, question: &Question) {
     let mut answer = None;
     Modal::new("question".into()).show(context, |ui| {
         ui.set_width(320.0);
-        ui.heading("Save the changes?");
-        ui.label(format!("{} has changes that are not saved.", session.name));
+        let (heading, text, yes) = match question {
+            Question::Unsaved => (
+                "Save the changes?",
+                format!("{} has changes that are not saved.", session.name),
+                format!("Save {}", session.out),
+            ),
+            Question::Replace { files, .. } => {
+                let names: Vec<_> = files.iter().map(|file| file.display().to_string()).collect();
+                let exist = if files.len() == 1 { "exists" } else { "exist" };
+                let text = format!("{} {exist}.", names.join(" and "));
+                ("Replace what is there?", text, "Replace".to_owned())
+            }
+        };
+        ui.heading(heading);
+        ui.label(text);
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            let save = format!("Save {}", session.out);
-            if ui.add(Button::new(save).truncate()).clicked() {
+            if ui.add(Button::new(yes).truncate()).clicked() {
                 answer = Some(Answer::Save);
             }
         });
         ui.horizontal(|ui| {
-            if ui.button("Discard them").clicked() {
+            if *question == Question::Unsaved && ui.button("Discard them").clicked() {
                 answer = Some(Answer::Discard);
             }
             if ui.button("Stay here (Esc)").clicked() {

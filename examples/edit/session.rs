@@ -2,7 +2,7 @@
 
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use bevy::prelude::*;
@@ -42,7 +42,20 @@ pub(crate) struct Drag {
     pub(crate) from: DVec2,
 }
 
-/// The answer to the question that is asked before the window closes.
+/// A question that is to be answered before anything else is done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Question {
+    /// Whether changes that are not saved are saved before the window closes.
+    Unsaved,
+    /// Whether files are replaced that this session has neither written nor been told to write.
+    Replace {
+        files: Vec<PathBuf>,
+        /// Whether the window closes afterwards.
+        closes: bool,
+    },
+}
+
+/// The answer to a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Answer {
     Save,
@@ -66,6 +79,8 @@ pub(crate) struct Session {
     pub(crate) name: String,
     /// The file to save to, as typed.
     pub(crate) out: String,
+    /// Files that are replaced without a question: that of the command line, and those that were saved.
+    own: Vec<PathBuf>,
     pub(crate) tools: Tools,
     pub(crate) view: View,
     pub(crate) selected: Option<Target>,
@@ -81,8 +96,7 @@ pub(crate) struct Session {
     pub(crate) auditing: Auditing,
     pub(crate) trials: Trials,
     pub(crate) grid: bool,
-    /// Whether the window is to be closed although changes are not saved.
-    pub(crate) asks: bool,
+    pub(crate) question: Option<Question>,
     pub(crate) closes: bool,
     /// The last event, in one line.
     pub(crate) message: String,
@@ -95,7 +109,7 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(opened: Opened) -> Self {
-        let Opened { document, catalogue, name, out, note } = opened;
+        let Opened { document, catalogue, name, out, is_own, note } = opened;
         let view = View::of(document.world().bounds);
         let mut session = Session {
             tools: Tools::for_document(&document),
@@ -103,6 +117,7 @@ impl Session {
             catalogue,
             name,
             out: out.display().to_string(),
+            own: if is_own { vec![out] } else { Vec::new() },
             view,
             selected: None,
             bodies: None,
@@ -114,7 +129,7 @@ impl Session {
             auditing: Auditing::default(),
             trials: Trials::default(),
             grid: true,
-            asks: false,
+            question: None,
             closes: false,
             message: note.unwrap_or_default(),
             failure: None,
@@ -235,12 +250,13 @@ impl Session {
         self.message.clear();
     }
 
-    /// Turns the selection, or the room or object that is to be added.
+    /// Turns the room or object that is to be added or, with the other tools, the selection.
     pub(crate) fn turn(&mut self, angle: f64) {
-        if self.tools.tool.adds() {
-            self.tools.turn(angle);
-            return;
-        }
+        if self.tools.tool.adds() { self.tools.turn(angle) } else { self.turn_selected(angle) }
+    }
+
+    /// Turns the selection.
+    pub(crate) fn turn_selected(&mut self, angle: f64) {
         let Some(target) = self.selected else { return };
         let at = self.place_of(target);
         match self.document.turned(target, angle) {
@@ -279,16 +295,35 @@ impl Session {
         self.refusal = None;
     }
 
-    /// Writes the document to its file. Returns whether the file holds all of it; otherwise the changes count as not
-    /// saved.
-    pub(crate) fn save(&mut self) -> bool {
-        let saved = saving::save(&self.document, Path::new(self.out.trim()));
+    /// Writes the document to its file, after a question if this replaces a file of others.
+    pub(crate) fn save(&mut self) {
+        self.save_and(false);
+    }
+
+    fn save_and(&mut self, closes: bool) {
+        let path = PathBuf::from(self.out.trim());
+        let is_own = self.own.contains(&path);
+        let files = if is_own { Vec::new() } else { saving::existing(&path) };
+        if files.is_empty() {
+            self.write(path, closes);
+        } else {
+            self.question = Some(Question::Replace { files, closes });
+        }
+    }
+
+    /// Writes the document to a file. If the file does not hold all of it, the changes count as not saved, and the
+    /// window stays.
+    fn write(&mut self, path: PathBuf, closes: bool) {
+        let saved = saving::save(&self.document, &self.catalogue, &path);
         let is_whole = saved.as_ref().is_ok_and(|saved| saved.is_whole);
         if is_whole {
             self.document.mark_saved();
         }
+        if saved.is_ok() {
+            self.own.push(path);
+        }
         self.report(saved.map(|saved| saved.text));
-        is_whole
+        self.closes = closes && is_whole;
     }
 
     fn report(&mut self, result: Result<String, Box<dyn Error>>) {
@@ -299,23 +334,28 @@ impl Session {
     }
 
     pub(crate) fn open_trial(&mut self) {
-        let opened = self.trials.open(&self.document);
+        let opened = self.trials.open(&self.document, &self.catalogue);
         self.report(opened);
     }
 
     /// Closes the window, after a question if changes are not saved.
     pub(crate) fn close(&mut self) {
-        if self.document.is_changed() { self.asks = true } else { self.closes = true }
+        match self.document.is_changed() {
+            true => self.question = Some(Question::Unsaved),
+            false => self.closes = true,
+        }
     }
 
-    /// Carries out an answer. The window stays if the file lacks something, which the status line says.
+    /// Carries out an answer.
     pub(crate) fn answer(&mut self, answer: Answer) {
-        self.asks = false;
-        self.closes = match answer {
-            Answer::Save => self.save(),
-            Answer::Discard => true,
-            Answer::Stay => false,
-        };
+        match (self.question.take(), answer) {
+            (Some(Question::Unsaved), Answer::Save) => self.save_and(true),
+            (Some(Question::Unsaved), Answer::Discard) => self.closes = true,
+            (Some(Question::Replace { closes, .. }), Answer::Save) => {
+                self.write(PathBuf::from(self.out.trim()), closes);
+            }
+            _ => {}
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command};
 
 use envgen::edit::Document;
+use envgen::indoor::Catalogue;
 use tempfile::TempDir;
 
 use crate::saving;
@@ -25,14 +26,18 @@ pub(crate) struct Trials {
 impl Trials {
     /// Saves the world to a file of its own and opens a trial in it, if the program exists. Otherwise,
     /// returns the command that does it.
-    pub(crate) fn open(&mut self, document: &Document) -> Result<String, Box<dyn Error>> {
+    pub(crate) fn open(
+        &mut self,
+        document: &Document,
+        catalogue: &Catalogue,
+    ) -> Result<String, Box<dyn Error>> {
         if self.folder.is_none() {
             self.folder = Some(tempfile::Builder::new().prefix("envgen-edit-").tempdir()?);
         }
         let folder = self.folder.as_ref().map_or(Path::new("."), TempDir::path);
         self.count += 1;
         let world = folder.join(format!("world_{}.ron", self.count));
-        saving::save(document, &world)?;
+        saving::save(document, catalogue, &world)?;
         let program = std::env::current_exe()?.with_file_name(format!("{PROGRAM}{EXE_SUFFIX}"));
         // Who edits the world knows it, so that trials in it are not blind.
         let options = format!("--known --world {}", world.display());

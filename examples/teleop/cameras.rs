@@ -96,7 +96,7 @@ pub(crate) fn fit(
     let beside = beside(&window);
     let map = minimap(window.physical_size(), beside);
     let shown = !map.is_empty();
-    let hidden = session.phase == Phase::Running && session.camera_is_large;
+    let hidden = session.shows_camera();
     for mut camera in &mut main {
         put(&mut camera, beside, shown && !hidden);
     }

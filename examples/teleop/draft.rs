@@ -1,9 +1,9 @@
-//! What a person has filled in of the form when the window closes.
+//! What a person has filled in of a form that is not handed in.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use bevy_mapping_trial::ui::{FeedbackForm, Unanswered};
+use bevy_mapping_trial::ui::FeedbackForm;
 use envgen::located::Located;
 use envgen::whole_file;
 use mapping_trial::feedback::{Experience, Session};
@@ -12,17 +12,14 @@ use serde_json::json;
 /// The file, in the folder of the trial.
 const FILE: &str = "feedback_draft.json";
 
-/// Saves a form that lacks an answer beside the report, and says so on stderr; nothing if nothing is filled in.
-pub(crate) fn save(form: &FeedbackForm, asked: &Session, folder: &Path, missing: &Unanswered) {
-    if !is_begun(form, asked) {
-        return;
-    }
+/// Saves a form beside the report, and returns the file; `None` if nothing is filled in.
+pub(crate) fn save(
+    form: &FeedbackForm,
+    asked: &Session,
+    folder: &Path,
+) -> Option<Result<PathBuf, Located<io::Error>>> {
     let path = folder.join(FILE);
-    #[expect(clippy::print_stderr, reason = "the window is closed")]
-    match write(form, &path) {
-        Ok(()) => eprintln!("{missing}: what the form has is in {}", path.display()),
-        Err(error) => eprintln!("the form is lost: {error}"),
-    }
+    is_begun(form, asked).then(|| write(form, &path).map(|()| path))
 }
 
 /// Whether a person has filled in anything. What is known of the session is in the form from the start.

@@ -1,7 +1,7 @@
 //! Keys and gamepads.
 
 use bevy::input::gamepad::{Gamepad, GamepadButton};
-use bevy::input::keyboard::Key;
+use bevy::input::keyboard::{Key, KeyboardInput};
 use bevy::prelude::*;
 use bevy_envgen::prelude::*;
 use bevy_mapping_trial::prelude::*;
@@ -39,22 +39,29 @@ pub(crate) fn steer(
     manual.set_if_neq(ManualControl { commands: (0..robots).map(command_of).collect() });
 }
 
-/// Zooms by keys.
+/// Zooms the map by keys, but not behind the picture of a camera.
 pub(crate) fn zoom(
-    keys: Res<ButtonInput<KeyCode>>,
-    letters: Res<ButtonInput<Key>>,
+    session: Res<Session>,
+    mut inputs: MessageReader<KeyboardInput>,
+    panels: Res<EguiWantsInput>,
     mut cameras: Query<&mut FollowRobot>,
 ) {
-    // The typed characters count, since + and - are on other keys of other keyboards.
-    let typed = |texts: &[&str]| {
-        let mut pressed = letters.get_just_pressed();
-        pressed.any(|key| matches!(key, Key::Character(text) if texts.contains(&text.as_str())))
-    };
-    let nearer = typed(&["+", "="]) || keys.just_pressed(KeyCode::NumpadAdd);
-    let farther = typed(&["-", "_"]) || keys.just_pressed(KeyCode::NumpadSubtract);
-    if nearer || farther {
+    let is_typing = panels.wants_any_keyboard_input();
+    let is_hidden = session.shows_camera();
+    for input in inputs.read() {
+        if !input.state.is_pressed() || is_typing || is_hidden {
+            continue;
+        }
+        // The typed characters count, since + and - are on other keys of other keyboards.
+        let typed = |texts: &[&str]| matches!(&input.logical_key, Key::Character(text) if texts.contains(&text.as_str()));
+        let factor = match input.key_code {
+            KeyCode::NumpadAdd => 1.0 / ZOOM_STEP,
+            KeyCode::NumpadSubtract => ZOOM_STEP,
+            _ if typed(&["+", "="]) => 1.0 / ZOOM_STEP,
+            _ if typed(&["-", "_"]) => ZOOM_STEP,
+            _ => continue,
+        };
         for mut camera in &mut cameras {
-            let factor = if nearer { 1.0 / ZOOM_STEP } else { ZOOM_STEP };
             camera.height = (camera.height * factor).clamp(ZOOM.0, ZOOM.1);
         }
     }

@@ -125,7 +125,8 @@ fn run(arguments: &Arguments) -> Result<AppExit, Box<dyn Error>> {
         .add_systems(
             Update,
             (
-                (keys::zoom, keys::act).run_if(not(egui_wants_any_keyboard_input)),
+                keys::zoom,
+                keys::act.run_if(not(egui_wants_any_keyboard_input)),
                 cameras::follow_driven,
                 cameras::fit,
                 session::poll,

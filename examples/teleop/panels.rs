@@ -241,8 +241,8 @@ fn windows(context: &egui::Context, session: &mut Session) {
                     (filled, ui.button("Skip the form").clicked())
                 });
             match filled.and_then(|shown| shown.inner) {
-                Some((Some(feedback), _)) => session.hand_in(Some(feedback)),
-                Some((None, true)) => session.hand_in(None),
+                Some((Some(feedback), _)) => session.hand_in(feedback),
+                Some((None, true)) => session.skip_form(),
                 _ => {}
             }
         }

@@ -161,6 +161,11 @@ impl Session {
         }
     }
 
+    /// Returns whether the picture of a camera is large, in the place of the map.
+    pub(crate) fn shows_camera(&self) -> bool {
+        self.phase == Phase::Running && self.camera_is_large
+    }
+
     /// Begins a trial in the chosen world. The world is spawned first, unless it is that of the last
     /// trial. While it is being generated, the trial waits.
     pub(crate) fn begin(&mut self, spawned: Option<&GroundTruth>, commands: &mut Commands) {
@@ -327,11 +332,9 @@ impl Session {
         }
     }
 
-    /// Adds the answers to the report, or continues without them.
-    pub(crate) fn hand_in(&mut self, feedback: Option<Feedback>) {
-        self.phase = Phase::Done;
-        self.form = None;
-        let (Some(report), Some(feedback)) = (&mut self.report, feedback) else { return };
+    /// Adds the answers to the report and shows the scores. If the report cannot be written, the form stays.
+    pub(crate) fn hand_in(&mut self, feedback: Feedback) {
+        let Some(report) = &mut self.report else { return };
         report.feedback = Some(feedback);
         let path = self.folder.join("report.json");
         let json = serde_json::to_vec_pretty(report).map_err(std::io::Error::from).in_file(&path);
@@ -339,9 +342,35 @@ impl Session {
             json.push(b'\n');
             whole_file::write(&path, &json)
         });
-        if let Err(error) = written {
-            self.message = error.to_string();
+        match written {
+            Ok(()) => {
+                self.form = None;
+                self.phase = Phase::Done;
+            }
+            Err(error) => {
+                report.feedback = None;
+                self.message = error.to_string();
+            }
         }
+    }
+
+    /// Shows the scores without the form. What is filled in is kept in a file.
+    pub(crate) fn skip_form(&mut self) {
+        match self.save_draft() {
+            Some(Ok(path)) => self.message = format!("what the form has is in {}", path.display()),
+            Some(Err(error)) => {
+                self.message = error.to_string();
+                return;
+            }
+            None => {}
+        }
+        self.form = None;
+        self.phase = Phase::Done;
+    }
+
+    fn save_draft(&self) -> Option<Result<PathBuf, Located<io::Error>>> {
+        let (form, report) = (self.form.as_ref()?, self.report.as_ref()?);
+        draft::save(form, &report.session(), &self.folder)
     }
 
     /// Carries out an action of a key or a button during a trial.
@@ -530,10 +559,19 @@ pub(crate) fn save_at_exit(
         && let Ok((mut trial, truth)) = trials.get_mut(session.world)
     {
         session.finish(&mut trial, truth);
-    } else if let (Some(form), Some(report)) = (&session.form, &session.report) {
+    } else if let Some(form) = &session.form {
         match form.fill() {
-            Ok(feedback) => session.hand_in(Some(feedback)),
-            Err(missing) => draft::save(form, &report.session(), &session.folder, &missing),
+            Ok(feedback) => session.hand_in(feedback),
+            Err(missing) => session.message = missing.to_string(),
+        }
+        // The form is still there if it was not handed in.
+        #[expect(clippy::print_stderr, reason = "the window is closed")]
+        match session.save_draft() {
+            Some(Ok(path)) => {
+                eprintln!("{}: what the form has is in {}", session.message, path.display());
+            }
+            Some(Err(error)) => eprintln!("the form is lost: {error}"),
+            None => {}
         }
     }
 }

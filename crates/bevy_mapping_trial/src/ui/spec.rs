@@ -35,6 +35,10 @@ pub struct SpecForm {
     /// The text of the seed. A number in a widget would have too few digits.
     seed_text: String,
     file: String,
+    /// The file that was written last. It is replaced without asking.
+    own_file: Option<PathBuf>,
+    /// A file of others that the next click replaces.
+    replaced: Option<PathBuf>,
     /// The last error of the file system, or the last error that names no setting.
     failure: Option<String>,
     reach: Reach,
@@ -61,6 +65,8 @@ impl SpecForm {
             seed,
             seed_text,
             file,
+            own_file: None,
+            replaced: None,
             failure: None,
             reach,
             world_file: None,
@@ -254,8 +260,8 @@ impl SpecForm {
         self.edit(|drafts| show_groups(ui, drafts)).then_some(SpecAction::Changed)
     }
 
-    /// Draws the buttons that apply to the whole spec: back to the defaults, and save to a file. There are none for the
-    /// world of a file.
+    /// Draws the buttons that apply to the whole spec: back to the defaults, and save to a file. A file that this form
+    /// has not written is replaced by a second click. There are no buttons for the world of a file.
     pub fn show_file(&mut self, ui: &mut Ui) -> Option<SpecAction> {
         let mut action = None;
         if self.is_of_file {
@@ -268,18 +274,31 @@ impl SpecForm {
                 self.check();
                 action = Some(SpecAction::Changed);
             }
-            let save =
-                ui.button("Save").on_hover_text("writes the settings of the world to this file");
-            ui.add(TextEdit::singleline(&mut self.file).desired_width(f32::INFINITY));
-            if save.clicked() {
-                let path = PathBuf::from(&self.file);
-                match self.save(&path) {
-                    Ok(()) => {
-                        self.failure = None;
-                        action = Some(SpecAction::Saved(path));
-                    }
-                    Err(text) => self.failure = Some(text),
+            let path = PathBuf::from(&self.file);
+            let replaces = self.replaced.as_ref() == Some(&path);
+            let save = ui
+                .button(if replaces { "Replace" } else { "Save" })
+                .on_hover_text("writes the settings of the world to this file");
+            if ui.add(TextEdit::singleline(&mut self.file).desired_width(f32::INFINITY)).changed() {
+                self.replaced = None;
+                self.check();
+            }
+            if !save.clicked() {
+                return;
+            }
+            if !replaces && self.own_file.as_ref() != Some(&path) && path.exists() {
+                self.failure = Some(format!("{} exists", path.display()));
+                self.replaced = Some(path);
+                return;
+            }
+            self.replaced = None;
+            match self.save(&path) {
+                Ok(()) => {
+                    self.failure = None;
+                    self.own_file = Some(path.clone());
+                    action = Some(SpecAction::Saved(path));
                 }
+                Err(text) => self.failure = Some(text),
             }
         });
         action

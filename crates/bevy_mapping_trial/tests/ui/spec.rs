@@ -44,6 +44,29 @@ fn a_failure_is_shown_until_the_next_change() {
 }
 
 #[test]
+fn files_of_others_are_replaced_by_a_second_click() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("notes.ron");
+    std::fs::write(&path, "notes").expect("written");
+    let name = path.display().to_string();
+    let mut form = form(WorldKind::Forest);
+    let screen = Screen::new(egui::vec2(3000.0, 900.0));
+    screen.retype("forest.envgen.ron", &name, |ui| form.show_file(ui));
+    assert_eq!(screen.click("Save", |ui| form.show_file(ui)), None);
+    assert!(screen.show(|ui| drop(form.show(ui))).has(&format!("{name} exists")));
+    assert_eq!(std::fs::read_to_string(&path).expect("a file"), "notes");
+    let saved = Some(SpecAction::Saved(path.clone()));
+    assert_eq!(screen.click("Replace", |ui| form.show_file(ui)), saved);
+    let text = std::fs::read_to_string(&path).expect("a file");
+    assert_eq!(WorldSpec::from_ron(&text), form.request().map(|(spec, _)| spec));
+    assert!(!screen.show(|ui| drop(form.show(ui))).has("exists"));
+    // Its own file is replaced by the first click.
+    form.set("intensity", "0.2");
+    assert_eq!(screen.click("Save", |ui| form.show_file(ui)), saved);
+    assert_ne!(std::fs::read_to_string(&path).expect("a file"), text);
+}
+
+#[test]
 fn other_kinds_keep_what_was_typed() {
     let mut form = form(WorldKind::Hallway);
     form.set("segments", "80");

@@ -260,8 +260,16 @@ impl Document {
     }
 
     /// Returns the change that turns a target counter-clockwise: a room by a quarter turn, everything else by an
-    /// angle in radians. `None` for a target that cannot be turned.
+    /// angle in radians. `None` for a target that cannot be turned, or that is round.
     pub fn turned(&self, target: Target, angle: f64) -> Option<Change> {
+        // The outlines of poses are discs as well.
+        let has_shape = matches!(
+            target,
+            Target::World(WorldTarget::Part(_)) | Target::Plan(PlanTarget::Object { .. })
+        );
+        if has_shape && matches!(self.outline(target), Some(Shape::Disc { .. })) {
+            return None;
+        }
         match target {
             Target::World(target) => Some(WorldEdit::Turn { target, angle }.into()),
             Target::Plan(PlanTarget::Room(room)) => {

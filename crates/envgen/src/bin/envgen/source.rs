@@ -225,6 +225,10 @@ impl WorldFile {
                 "{name}: {elements} elements are neither rooms nor doors and are left out"
             ));
         }
+        if project.attributes_ignored > 0 {
+            let attributes = project.attributes_ignored;
+            note(&format!("{name}: {attributes} attributes have no meaning here and are left out"));
+        }
         let bare = |room: &&PlacedRoom| catalogue.get(&room.room.name).is_none();
         let bare = project.plan.rooms().iter().filter(bare).count();
         if bare > 0 {

@@ -199,15 +199,12 @@ fn other_worlds_lose_the_promises_that_an_edit_breaks() {
     let broken = Audit::of(spaced.world(), &spaced.promises()).broken();
     assert!(broken.contains(&Claim::TreeDistance { distance: 2.0, torus: None }), "{broken:?}");
     assert!(!spaced.certified_world().certificate.contains(&broken[0]));
-    // A tree turns without effect, and is found where it was moved to.
+    // A tree is found where it was moved to. What is round is not turned.
     let change = document.moved(tree(3), by).unwrap();
     document.apply(change).unwrap();
     let p = document.world().trees[3].center;
     assert!(document.target_at(p, 0.0).is_some());
-    let change = document.turned(tree(3), 1.0).unwrap();
-    let before = document.world().trees.clone();
-    document.apply(change).unwrap();
-    assert_eq!(document.world().trees, before);
+    assert_eq!(document.turned(tree(3), 1.0), None);
     let crate_ = Obstacle::new(ObstacleKind::Crate, Shape::Disc { center: p, radius: 0.2 });
     let change: Change = WorldEdit::Add(NewPart::Obstacle(crate_)).into();
     let preview = document.preview(&change);
@@ -215,6 +212,8 @@ fn other_worlds_lose_the_promises_that_an_edit_breaks() {
     assert_eq!(document.outline(added), preview);
     assert_eq!(document.describe(added), "obstacle 0 (crate)");
     assert_eq!(document.target_at(p, 0.0), Some(added));
+    assert_eq!(document.turned(added, 1.0), None);
+    assert!(document.turned(Target::World(WorldTarget::Start), 1.0).is_some());
 }
 
 #[test]

@@ -45,6 +45,8 @@ pub struct Project {
     pub doors_ignored: usize,
     /// Number of elements that are neither rooms nor doors.
     pub elements_ignored: usize,
+    /// Number of attributes of the world, its rooms and its doors that mean nothing here.
+    pub attributes_ignored: usize,
 }
 
 /// Reads a project. Rooms come from the catalogue by name. A room that the catalogue does not have comes from the
@@ -62,7 +64,10 @@ pub fn read_project(
     let depth = root.number("world", 1, "depth", (1, MAX_SIZE))?;
     let width = root.number("world", 1, "width", (1, MAX_SIZE))?;
     let name = root.get("name").unwrap_or_default().to_owned();
-    let spec = spec(&root, width, depth)?;
+    let mut spec = spec(&root, width, depth)?;
+    let settings = metres(&mut spec).map(|(name, _)| name);
+    let mut attributes_ignored =
+        root.others(&[&["depth", "width", "name"], &settings[..]].concat());
     let mut reading = Reading {
         known: library.iter().map(|room| (room.name.as_str(), room)).collect(),
         catalogue,
@@ -76,8 +81,10 @@ pub fn read_project(
     while let Some(element) = document.next()? {
         if element.is("room") {
             reading.room(&element)?;
+            attributes_ignored += element.others(&["name", "x", "y", "theta"]);
         } else if element.is("door") {
             gates.push(door(&element, gates.len() + 1, depth, width)?);
+            attributes_ignored += element.others(&["x", "y", "direction"]);
         } else {
             elements_ignored += 1;
         }
@@ -105,7 +112,7 @@ pub fn read_project(
         edits: Vec::new(),
         choice: None,
     };
-    Ok(Project { name, plan, doors_ignored, elements_ignored })
+    Ok(Project { name, plan, doors_ignored, elements_ignored, attributes_ignored })
 }
 
 /// Returns the settings of a project.

@@ -34,6 +34,11 @@ fn a_project_by_hand() {
     assert_eq!(project.elements_ignored, 0);
     let lamp = OFFICE.replace("</world>", "<lamp x=\"1\"/></world>");
     assert_eq!(read(&lamp).unwrap().elements_ignored, 1);
+    assert_eq!(project.attributes_ignored, 0);
+    let colored = ["<world ", "<room ", "<door "].iter().fold(OFFICE.to_owned(), |text, start| {
+        text.replacen(start, &format!("{start}color=\"red\" "), 1)
+    });
+    assert_eq!(read(&colored).unwrap().attributes_ignored, 3);
     let plan = &project.plan;
     // x runs from north to south: the hallway is the left column.
     assert!((0..3).all(|y| plan.grid().get(0, y) == Some(Cell::Hallway)));

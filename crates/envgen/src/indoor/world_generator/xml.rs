@@ -133,6 +133,11 @@ impl Element {
         self.attributes.iter().find(|(key, _)| key == attribute).map(|(_, value)| value.as_str())
     }
 
+    /// Returns the number of attributes with other names than these.
+    pub(super) fn others(&self, names: &[&str]) -> usize {
+        self.attributes.iter().filter(|(key, _)| !names.contains(&key.as_str())).count()
+    }
+
     /// Returns the text of a required attribute.
     pub(super) fn text(
         &self,
