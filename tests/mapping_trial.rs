@@ -40,7 +40,7 @@ fn twice_and_replayed(engine: &str, moving: &[&str]) {
     let world = ["--difficulty", "3", "--seed", "4", "--size", "6", "--engine", engine];
     let world = [&world[..], moving].concat();
     let arguments = |policy| {
-        let options = [policy, "corridors", "--time-limit", "90", "--robots", "2"];
+        let options = [policy, "corridors", "--time-limit", "45", "--robots", "2"];
         [&world[..], &options].concat()
     };
     let table = EXAMPLE.ok(&arguments("--policy"), &out("first"));
@@ -72,7 +72,7 @@ fn twice_and_replayed(engine: &str, moving: &[&str]) {
         let mode = |path: &Path| fs::metadata(path).expect("a file").permissions().mode();
         assert_eq!(mode(&out("first").join(name)), mode(&usual), "{name}");
     }
-    assert!(table.contains("robot 2: time up after 90 s"), "{table}");
+    assert!(table.contains("robot 2: time up after 45 s"), "{table}");
     let report: serde_json::Value =
         serde_json::from_slice(&first[Path::new("report.json")]).expect("JSON");
     assert!(report["scores"]["coverage"].as_f64().expect("a share") > 0.01);

@@ -57,7 +57,7 @@ fn random_targets_on_48() {
 
 #[test]
 fn random_targets_on_200() {
-    random_targets(200, 200, 200);
+    random_targets(200, 200, 80);
 }
 
 #[test]

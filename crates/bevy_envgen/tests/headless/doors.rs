@@ -104,7 +104,7 @@ fn a_leaf_stops_at_an_agent_and_pushes_other_bodies() {
         step(&mut app, 5);
         for how in [Door::close, Door::slam] {
             how(&mut app.world_mut().get_mut::<Door>(door).unwrap());
-            step(&mut app, 300);
+            step(&mut app, 160);
             assert_eq!(app.world().get::<Door>(door).unwrap().openness(), 1.0);
         }
         assert_eq!(app.world().get::<Door>(door).unwrap().stopped(), 2);
