@@ -47,7 +47,7 @@ pub(crate) struct Drag {
 pub(crate) enum Question {
     /// Whether changes that are not saved are saved before the window closes.
     Unsaved,
-    /// Whether files are replaced that this session has neither written nor been told to write.
+    /// Whether files are replaced that the command line does not name and this session has not written.
     Replace {
         files: Vec<PathBuf>,
         /// Whether the window closes afterwards.

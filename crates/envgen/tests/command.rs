@@ -177,6 +177,33 @@ fn seeds_without_a_blueprint_do_not_stop_the_others() {
 }
 
 #[test]
+fn settings_without_effect_are_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("world.json");
+    let noted = |arguments: &[&str]| -> Vec<String> {
+        let output = run(&[&["generate", "--out", file.to_str().unwrap()], arguments].concat());
+        assert!(output.status.success(), "{output:?}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        let notes = said.lines().filter_map(|line| {
+            line.strip_prefix("note: ")?.strip_suffix(" changes nothing in this world")
+        });
+        notes.map(str::to_owned).collect()
+    };
+    let alcoves = ["hallway", "--set", "segments=20", "--set", "alcove_depth=0.5"];
+    assert_eq!(noted(&alcoves), ["alcove_depth=0.5"]);
+    let dug = [&alcoves[..], &["--set", "alcove_rate=0.2"]].concat();
+    assert_eq!(noted(&dug), [""; 0]);
+    // A default changes nothing by itself, and the radius changes what is promised.
+    let plain = ["indoor", "--set", "width=5", "--set", "height=5", "--set", "profile=thesis"];
+    assert_eq!(noted(&plain), [""; 0]);
+    assert_eq!(noted(&["forest", "--set", "robot_radius=0.3"]), [""; 0]);
+    assert_eq!(noted(&["hallway", "--set", "segments=50"]), [""; 0]);
+    let road =
+        ["road", "--set", "prefabs=straight", "--set", " theta_max = 60", "--set", "people=1"];
+    assert_eq!(noted(&road), [" theta_max = 60"]);
+}
+
+#[test]
 fn sample_ends_quietly_when_its_reader_has_enough() {
     let mut child = command()
         .args(["sample", "hallway", "--count", "1000000000"])

@@ -4,8 +4,8 @@ use glam::DVec2;
 use thiserror::Error;
 
 use super::simple_polygon::is_simple;
-use super::{MAX_WHEEL_BIAS, PartId, PartKind, World, is_visible_range};
-use crate::curve::Curve;
+use super::{MAX_WHEEL_BIAS, PartId, PartKind, RoadStrip, World, is_visible_range};
+use crate::curve::{Curve, PathIndex};
 use crate::geometry::{Pose, Rect, Shape, signed_area, wrap_angle};
 
 /// The greatest distance of anything in a world from the axes of its frame, in metres. It leaves room for every
@@ -20,6 +20,12 @@ const TOLERANCE: f64 = 1e-6;
 
 /// The greatest gap and the greatest bend between consecutive pieces of a road, in metres and radians.
 const JOINT: f64 = 1e-6;
+
+/// The greatest distance of a road's points from its pieces, in metres.
+const BESIDE: f64 = 1e-5;
+
+/// Points of roads that turn by more than this, in radians, are not looked for everywhere.
+const MOST_SEARCHED: f64 = 1e4;
 
 /// The greatest angle, in radians, by which a piece of a road turns.
 const MOST_TURNING: f64 = 1e3;
@@ -71,6 +77,14 @@ pub enum Violation {
     /// The pieces of a road do not join, or turn by more than can be computed exactly.
     #[error("the pieces of {0} do not join, or one turns by more than {MOST_TURNING} rad")]
     Pieces(PartId),
+    /// A point of a road's centreline is not on its pieces, or not at their ends.
+    #[error("point {point} of the centreline of {part} is not where its pieces are")]
+    Centreline {
+        /// The road strip.
+        part: PartId,
+        /// The index of the point.
+        point: usize,
+    },
     /// A part extends beyond the bounds.
     #[error("{0} reaches over the bounds")]
     OutOfBounds(PartId),
@@ -114,8 +128,9 @@ pub enum Violation {
 
 impl World {
     /// Checks every invariant: numbers are finite, coordinates are at most [`MAX_COORDINATE`], sizes are positive,
-    /// polygons are simple and counter-clockwise, parts lie inside the bounds, doorways join rooms that exist,
-    /// start and goal are in free space, claims are about finite numbers, and the raster is complete.
+    /// polygons are simple and counter-clockwise, points of roads are on their pieces, parts lie inside the bounds,
+    /// doorways join rooms that exist, start and goal are in free space, claims are about finite numbers, and the
+    /// raster is complete.
     ///
     /// ```
     /// use envgen::world::{PartId, PartKind, Violation};
@@ -166,8 +181,10 @@ impl World {
                 return Err(Violation::Lanes { part: id, lanes: strip.lanes });
             }
             check_pieces(id, &strip.pieces)?;
+            check_centreline(id, strip)?;
             let around = Rect::around(strip.centreline.iter().map(|point| point.pose.position));
             self.check_inside(id, around.unwrap_or(b))?;
+            self.check_inside(id, strip.path().bounds().unwrap_or(b))?;
         }
         for (id, surface) in numbered(PartKind::Surface, &self.surfaces) {
             if !(surface.speed.is_finite() && surface.odometry_noise.is_finite()) {
@@ -322,6 +339,43 @@ fn check_pieces(id: PartId, pieces: &[Curve]) -> Result<(), Violation> {
     if joined { Ok(()) } else { Err(Violation::Pieces(id)) }
 }
 
+/// Checks that the points of a road and its pieces are of one line: some formats hold the points, others the pieces.
+fn check_centreline(id: PartId, strip: &RoadStrip) -> Result<(), Violation> {
+    if strip.pieces.is_empty() {
+        return Ok(());
+    }
+    let path = strip.path();
+    let points = || strip.centreline.iter().map(|point| point.pose.position);
+    let ends = [(0, 0.0), (strip.centreline.len().saturating_sub(1), path.length())];
+    for (point, s) in ends.into_iter().take(if strip.closed { 1 } else { 2 }) {
+        let p = points().nth(point);
+        if p.is_some_and(|p| p.distance(path.pose_at(s).position) > BESIDE) {
+            return Err(Violation::Centreline { part: id, point });
+        }
+    }
+    // Each point is near the one before, unless there are few: these are looked for everywhere.
+    let turning: f64 = strip.pieces.iter().map(|piece| piece.length * piece.max_curvature()).sum();
+    let mut index = None;
+    let (mut s, mut before) = (0.0, path.pose_at(0.0).position);
+    for (point, p) in points().enumerate() {
+        s = path.foot_from(s + before.distance(p), p);
+        before = p;
+        let is_on_path = (-BESIDE..=path.length() + BESIDE).contains(&s);
+        if is_on_path && path.pose_at(s).position.distance(p) <= BESIDE {
+            continue;
+        }
+        if turning > MOST_SEARCHED {
+            return Ok(());
+        }
+        let index = index.get_or_insert_with(|| PathIndex::new(&path));
+        match index.locate(p).filter(|located| located.offset.abs() <= BESIDE) {
+            Some(located) => s = located.s,
+            None => return Err(Violation::Centreline { part: id, point }),
+        }
+    }
+    Ok(())
+}
+
 fn finite_pose(pose: Pose) -> bool {
     pose.position.is_finite() && pose.heading.is_finite()
 }
@@ -332,7 +386,8 @@ mod tests {
     use crate::provenance::Provenance;
     use crate::world::Claim;
     use crate::world::{
-        ClassRaster, Doorway, Obstacle, ObstacleKind, Surface, SurfaceKind, Tree, Wall, WallKind,
+        ClassRaster, Doorway, Obstacle, ObstacleKind, RoadPoint, Surface, SurfaceKind, Tree, Wall,
+        WallKind,
     };
 
     fn world() -> World {
@@ -366,8 +421,6 @@ mod tests {
 
     #[test]
     fn roads_have_a_bounded_number_of_lanes() {
-        use crate::world::{RoadPoint, RoadStrip};
-
         let point = |x| RoadPoint { pose: Pose::new(x, 4.0, 0.0), curvature: 0.0 };
         let check = |lanes| {
             let mut world = world();
@@ -385,6 +438,53 @@ mod tests {
             let error = check(lanes).unwrap_err().to_string();
             assert_eq!(error, format!("`lanes` of road_strip 0 must be from 1 to 64, got {lanes}"));
         }
+    }
+
+    #[test]
+    fn points_of_a_road_are_where_its_pieces_are() {
+        // A straight line, and a third of a circle to the left.
+        let line = Curve::line(Pose::new(1.0, 3.0, 0.0), 2.0);
+        let arc = Curve::arc(line.end(), 2.0, 1.0);
+        let strip = |along: &[f64], by: DVec2, closed| {
+            let pieces = vec![line, arc];
+            let path = crate::curve::Path::new(pieces.as_slice());
+            let point = |&s: &f64| {
+                let pose = path.pose_at(s);
+                let pose = Pose { position: pose.position + by, ..pose };
+                RoadPoint { pose, curvature: path.curvature_at(s) }
+            };
+            let centreline = along.iter().map(point).collect();
+            let mut world = world();
+            let strip = RoadStrip { centreline, pieces, width: 0.5, lanes: 1, closed };
+            world.road_strips.push(strip);
+            world.check()
+        };
+        let part = PartId { kind: PartKind::RoadStrip, index: 0 };
+        let off = |point| Err(Violation::Centreline { part, point });
+        assert_eq!(strip(&[0.0, 0.5, 2.5, 3.0, 4.0], DVec2::ZERO, false), Ok(()));
+        assert_eq!(strip(&[0.0, 4.0], DVec2::ZERO, false), Ok(()));
+        assert_eq!(strip(&[0.0, 3.0], DVec2::ZERO, false), off(1));
+        assert_eq!(strip(&[0.0, 3.0], DVec2::ZERO, true), Ok(()));
+        assert_eq!(strip(&[0.5, 4.0], DVec2::ZERO, false), off(0));
+        assert_eq!(strip(&[0.0, 4.0], DVec2::new(0.0, 2e-5), false), off(0));
+        assert_eq!(strip(&[0.0, 4.5], DVec2::ZERO, true), off(1));
+        let error = off(1).map_err(|error| error.to_string());
+        let text = "point 1 of the centreline of road_strip 0 is not where its pieces are";
+        assert_eq!(error, Err(text.to_owned()));
+        // Pieces that leave the bounds.
+        let mut world = world();
+        let along = Curve::line(Pose::new(1.0, 4.0, 0.0), 30.0);
+        let point = |pose| RoadPoint { pose, curvature: 0.0 };
+        let centreline = vec![point(along.start), point(Pose::new(9.0, 4.0, 0.0))];
+        let pieces = vec![along];
+        world.road_strips.push(RoadStrip {
+            centreline,
+            pieces,
+            width: 0.5,
+            lanes: 1,
+            closed: true,
+        });
+        assert_eq!(world.check(), Err(Violation::OutOfBounds(part)));
     }
 
     #[test]

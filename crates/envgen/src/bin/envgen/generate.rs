@@ -36,6 +36,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<ExitCode, Failure> {
     let world = blueprint.to_world();
     files.scenario = arguments.moving.scenario(&world, moving, source.seed)?;
     files.write(&world, Some(&blueprint), &steps)?;
+    for setting in source.without_effect(&spec, &world) {
+        note(&format!("{setting} changes nothing in this world"));
+    }
     if let WorldBlueprint::Indoor(plan) = &blueprint {
         plan.calibration_doubts().iter().for_each(|doubt| note(&doubt.to_string()));
     }

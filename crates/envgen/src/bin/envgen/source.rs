@@ -7,7 +7,7 @@ use clap::Args;
 use envgen::assignment::{Assignment, assignments};
 use envgen::import;
 use envgen::indoor::world_generator::{HALLWAY, LibraryRoom};
-use envgen::indoor::{Catalogue, PlacedRoom};
+use envgen::indoor::{Catalogue, PlacedRoom, Profile};
 use envgen::located::Locate;
 use envgen::scenario::ScenarioSpec;
 use envgen::text_file;
@@ -16,6 +16,9 @@ use envgen::{
 };
 
 use crate::failure::{Failure, print_line};
+
+/// The greatest number of parts, cells or points that are generated to find settings without effect.
+const MOST_WORK: f64 = 1e5;
 
 #[derive(Args)]
 pub(crate) struct Source {
@@ -66,6 +69,29 @@ impl Source {
         }
         scenario.validate().map_err(|error| self.blame(error, &moving))?;
         Ok((spec, (!moving.is_empty()).then_some(scenario)))
+    }
+
+    /// The settings without which the spec gives the same world and the same promises. Only of worlds that are soon
+    /// generated again.
+    pub(crate) fn without_effect(&self, spec: &WorldSpec, world: &World) -> Vec<&str> {
+        let kind = spec.kind();
+        let of_world = |setting: &Assignment<'_>| kind.setting(setting.name).is_ok();
+        let Ok(settings) = self.settings(kind) else { return Vec::new() };
+        let settings: Vec<_> = settings.into_iter().filter(of_world).collect();
+        let has_effect = |left_out: &Assignment<'_>| {
+            let others: Vec<_> =
+                settings.iter().filter(|other| other.name != left_out.name).copied().collect();
+            let without = self.unset().and_then(|unset| self.with_settings(unset, &others)).ok()?;
+            let work = settings.len() as f64 * without.work();
+            // The default changes nothing either. A calibrated map takes long, and each setting steers its choice.
+            if without == *spec || work > MOST_WORK || is_calibrated(&without) {
+                return None;
+            }
+            let other = without.generate(self.seed).ok()?.to_world();
+            Some(other.digest() != world.digest() || other.certificate != world.certificate)
+        };
+        let is_idle = |setting: &&Assignment<'_>| has_effect(setting) == Some(false);
+        settings.iter().filter(is_idle).map(|setting| setting.text).collect()
     }
 
     /// The spec without its settings.
@@ -293,4 +319,8 @@ fn open(path: &Path) -> Result<File, Failure> {
 /// Prints a note for the user on stderr.
 pub(crate) fn note(text: &str) {
     print_line(&format!("note: {text}"));
+}
+
+fn is_calibrated(spec: &WorldSpec) -> bool {
+    matches!(spec, WorldSpec::Indoor(indoor) if indoor.profile == Profile::Calibrated)
 }
