@@ -165,6 +165,12 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             let folder = SurveyFolder::merge(&arguments.out, &arguments.merge)?;
             return print_costs(&arguments.hazards, &folder);
         }
+        if SurveyFolder::survey_of(first).is_ok() {
+            let first = first.display();
+            let error =
+                format!("{first}: the share measured what hazards cost: give its --hazards");
+            return Err(error.into());
+        }
         let experiment = Experiment::merge(&arguments.out, &arguments.merge)?;
         return write_report(&experiment, threads);
     }

@@ -64,6 +64,8 @@ fn shares_with_hazards_join_into_one_table() {
     let reported = EXAMPLE.error(&[&merge[..], &["--hazards=people"]].concat(), &out("other"));
     assert!(reported.contains("those of the shares, doors=0.5"), "{reported}");
     assert!(!out("other").exists());
+    let plain = EXAMPLE.error(&merge, &out("other"));
+    assert!(plain.contains("the share measured what hazards cost: give its --hazards"), "{plain}");
     let merged = EXAMPLE.ok(&[&merge[..], &["--hazards=doors"]].concat(), &out("merged"));
     let table = |reported: &str| {
         assert!(reported.contains("maps  D more"), "{reported}");

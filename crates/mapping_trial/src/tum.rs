@@ -12,7 +12,7 @@ use glam::DVec2;
 use thiserror::Error;
 
 /// The greatest coordinate that is read, in metres, and the greatest time, in seconds. Unix times of
-/// this era fit.
+/// this era fit; those in nanoseconds do not.
 const MOST: f64 = 1e11;
 
 /// The greatest number of poses that are read: a day at 100 per second.
@@ -36,6 +36,14 @@ pub enum TumError {
         /// The line's number, from 1.
         line: usize,
         /// The number.
+        value: f64,
+    },
+    /// A time is not one of this era in seconds.
+    #[error("line {line}: the time must be in seconds, from -{MOST:e} to {MOST:e}, got {value}")]
+    Time {
+        /// The line's number, from 1.
+        line: usize,
+        /// The time.
         value: f64,
     },
     /// A quaternion is zero.
@@ -114,8 +122,15 @@ fn timed_pose(line: usize, text: &str) -> Result<TimedPose, TumError> {
         .map(str::parse)
         .collect::<Result<_, _>>()
         .map_err(|_| not_a_pose())?;
-    if let Some(&value) = numbers.iter().find(|value| value.is_nan() || value.abs() > MOST) {
-        return Err(TumError::Number { line, value });
+    let is_wrong = |value: &f64| value.is_nan() || value.abs() > MOST;
+    if let Some(column) = numbers.iter().position(is_wrong) {
+        let value = numbers[column];
+        let is_time = column == 0;
+        return Err(if is_time {
+            TumError::Time { line, value }
+        } else {
+            TumError::Number { line, value }
+        });
     }
     let [time, x, y, _, qx, qy, qz, qw] = numbers[..] else { return Err(not_a_pose()) };
     let quaternion = [qx, qy, qz, qw];

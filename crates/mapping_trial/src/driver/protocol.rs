@@ -1,7 +1,7 @@
 //! Version 1 of the driver protocol: the lines that a trial and a driver exchange.
 
 use envgen::geometry::Pose;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::error::{DriverError, not_allowed};
 use super::grid::Grid;
@@ -183,15 +183,24 @@ pub struct Greeting {
     /// The driver's name.
     pub name: String,
     /// Number of ticks from one observation of a robot to the next.
-    #[serde(default = "every_tick")]
+    #[serde(default = "every_tick", deserialize_with = "rate_or_every_tick")]
     pub rate: u64,
     /// Whether the driver estimates poses and map itself.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "slam_or_none")]
     pub slam: bool,
 }
 
 fn every_tick() -> u64 {
     1
+}
+
+/// A field that is `null` counts as left out, as in replies.
+fn rate_or_every_tick<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or_else(every_tick))
+}
+
+fn slam_or_none<'de, D: Deserializer<'de>>(from: D) -> Result<bool, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or_default())
 }
 
 impl Greeting {
@@ -439,6 +448,8 @@ mod tests {
             |text: &str| Greeting::parse(text.as_bytes()).map_err(|error| error.to_string());
         let read = parse(r#"{"protocol": "envgen-driver 1", "name": "a b"}"#).unwrap();
         assert_eq!((read.name.as_str(), read.rate, read.slam), ("a b", 1, false));
+        let null = r#"{"protocol": "envgen-driver 1", "name": "a b", "rate": null, "slam": null}"#;
+        assert_eq!(parse(null).unwrap(), read);
         let error = |text| parse(text).expect_err(text);
         let text = error(r#"{"protocol": "envgen-driver 2", "name": "a"}"#);
         assert_eq!(text, "`protocol` must be envgen-driver 1, got envgen-driver 2");

@@ -115,9 +115,14 @@ impl Hazard {
 ///
 /// # Errors
 ///
-/// If the design is not allowed.
+/// If the design is not allowed, or if a hazard is given twice.
 pub fn survey(design: &Design, hazards: &[Hazard]) -> Result<Survey, SpecError> {
     design.validate()?;
+    for (i, hazard) in hazards.iter().enumerate() {
+        if hazards[..i].iter().any(|other| other.scenario == hazard.scenario) {
+            return Err(SpecError::new("hazards", &hazard.name, "each hazard once"));
+        }
+    }
     let mut conditions = Vec::new();
     for (name, scenario) in std::iter::once(("nothing moves", ScenarioSpec::default()))
         .chain(hazards.iter().map(|hazard| (hazard.name.as_str(), hazard.scenario.clone())))
@@ -349,6 +354,13 @@ mod tests {
         assert!(survey.conditions[0].scenario.is_still());
         let text = serde_json::to_string(&survey.conditions[0]).expect("JSON");
         assert!(!text.contains("scenario"), "{text}");
+    }
+
+    #[test]
+    fn hazards_are_given_once() {
+        let hazards = ["people", "doors", "people=08"].map(|text| Hazard::parse(text).expect(text));
+        let error = survey(&design(), &hazards).expect_err("a hazard twice").to_string();
+        assert_eq!(error, "`hazards` must be each hazard once, got people=08");
     }
 
     #[test]

@@ -74,6 +74,28 @@ fn ratings_of_three_sessions_are_linked() {
     assert!(inside.contains("left out: report.json: the true world was shown"), "{inside}");
     let json = linked(&[&all[..], &["--json"]].concat());
     let json: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["sessions"][0]["unlike_panel"], Value::Null);
+
+    // Ratings that fall with the difficulty, and sessions with another robot.
+    assert!(!four.contains("not as in the panel"), "{four}");
+    let falls = |text: &str| {
+        let after = text.split_once("\n  difficulty: ").expect("a link").1;
+        after.lines().nth(1).is_some_and(|line| line.contains("the ratings do not rise with"))
+    };
+    let correlation =
+        json["links"]["difficulty"]["link"]["correlation"].as_f64().expect("a number");
+    assert_eq!(falls(&four), correlation <= 0.0);
+    for (name, seed, rating) in [("101", 1, 8.0), ("102", 2, 5.0), ("103", 3, 2.0)] {
+        session(at, name, seed, Some(rating));
+    }
+    let report = std::fs::read_to_string(at.join("101/report.json")).expect("a report");
+    let wide = report.replace(r#""width":0.497"#, r#""width":0.45"#);
+    assert_ne!(wide, report);
+    std::fs::write(at.join("101/report.json"), wide).expect("a report");
+    let other = linked(&["101/report.json", "102/report.json", "103/report.json"]);
+    assert_eq!(falls(&other), correlation > 0.0);
+    assert_eq!(other.matches("settings not as in the panel: body").count(), 1, "{other}");
+
     // Linked ratings have the mean of the panel's difficulties.
     let mean = |of: &dyn Fn(usize) -> Value| {
         (0..3).map(|i| of(i).as_f64().expect("a number")).sum::<f64>() / 3.0

@@ -132,10 +132,60 @@ fn a_trials_own_map_scores_as_its_report_says() {
         String::from_utf8_lossy(&run(folder.path(), &all).stderr).contains("no pose for")
     });
     assert_eq!(warns, [false, true]);
+    trajectories_are_doubted(folder.path(), &own);
     // The text for people has the same content.
     let output = run(folder.path(), &[&["score", "--world", "world.json"][..], &own].concat());
     let text = String::from_utf8(output.stdout).expect("text");
     assert!(text.contains(&format!("{:.1} %", 100.0 * expected.coverage)), "{text}");
+}
+
+/// Checks the warnings of trajectories that were exported wrongly, and that rare true poses are no error of the
+/// estimate, given the arguments of a map in the frame of the world.
+fn trajectories_are_doubted(folder: &Path, map: &[&str]) {
+    let lines = |name: &str| {
+        let text = std::fs::read_to_string(folder.join(name)).expect("text");
+        text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let truth = lines("truth.tum");
+    let changed = |change: fn([f64; 8]) -> [f64; 8]| -> Vec<String> {
+        let pose = |line: &String| {
+            let numbers = line.split(' ').map(|part| part.parse().expect("a number"));
+            change(numbers.collect::<Vec<_>>().try_into().expect("eight"))
+        };
+        truth.iter().map(|line| pose(line).map(|number| number.to_string()).join(" ")).collect()
+    };
+    let w_first = changed(|[t, x, y, z, qx, qy, qz, qw]| [t, x, y, z, qw, qx, qy, qz]);
+    let shifted = changed(|[t, x, y, z, qx, qy, qz, qw]| [t, x + 2.0, y, z, qx, qy, qz, qw]);
+    let rare: Vec<_> = truth.iter().step_by(20).cloned().collect();
+    for (name, lines) in [("w_first.tum", &w_first), ("shifted.tum", &shifted), ("rare.tum", &rare)]
+    {
+        std::fs::write(folder.join(name), lines.join("\n")).expect("a file");
+    }
+    let score = |estimate: &str, truth: &str| {
+        let pair = ["--json", "--trajectory", estimate, "--truth", truth];
+        let all = [&["score", "--world", "world.json"][..], map, &pair].concat();
+        let output = run(folder, &all);
+        let said = String::from_utf8(output.stderr).expect("text");
+        assert!(output.status.success(), "{said}");
+        let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let doubts = ["half of the headings err", "check --frame and --start", "more than 0.25 s"];
+        (found, doubts.map(|doubt| said.contains(doubt)))
+    };
+    let (exact, doubts) = score("truth.tum", "truth.tum");
+    assert_eq!(doubts, [false; 3]);
+    assert_eq!(score("estimate.tum", "truth.tum").1, [false; 3]);
+    assert_eq!(score("w_first.tum", "truth.tum").1, [true, false, false]);
+    assert_eq!(score("shifted.tum", "truth.tum").1, [false, true, false]);
+    // Between true poses that are a second apart, the robot is not where a straight line has it.
+    let (sparse, doubts) = score("truth.tum", "rare.tum");
+    assert_eq!(doubts, [false, false, true]);
+    assert!(sparse["trajectory"]["outside"].as_u64() > Some(1000), "{sparse}");
+    for error in ["trajectory_error", "relative_error_near", "relative_error_far"] {
+        let errors = [&exact, &sparse].map(|found| found["trajectory"]["as_is"][error].as_f64());
+        assert!(errors.iter().all(|error| error.is_none_or(|error| error < 1e-6)), "{errors:?}");
+    }
+    let mapping = [&exact, &sparse].map(|found| found["mapping"].as_f64().expect("M"));
+    assert!((mapping[0] - mapping[1]).abs() < 0.01, "{mapping:?}");
 }
 
 #[test]
@@ -153,6 +203,10 @@ fn what_cannot_be_scored_is_named() {
     let poses = ["--map", "map.yaml", "--truth", "truth.tum", "--trajectory"];
     let text = failed(&[&poses[..], &["half.tum"]].concat());
     assert!(text.starts_with("error: half.tum: line 1 must be `t x y z"), "{text}");
+    std::fs::write(at.join("nanoseconds.tum"), "1700000000000000000 0 0 0 0 0 0 1\n")
+        .expect("a file");
+    let text = failed(&[&poses[..], &["nanoseconds.tum"]].concat());
+    assert!(text.contains("line 1: the time must be in seconds, from "), "{text}");
     std::fs::write(at.join("late.tum"), "9999 0 0 0 0 0 0 1\n").expect("a file");
     assert!(failed(&[&poses[..], &["late.tum"]].concat()).contains("no time in common"));
     assert!(failed(&["--map", "map.yaml", "--trajectory", "truth.tum"]).contains("--truth"));

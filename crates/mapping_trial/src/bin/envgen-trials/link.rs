@@ -10,12 +10,15 @@ use clap::Args;
 use envgen::calibration::Dials;
 use envgen::located::Locate;
 use envgen::text_file;
+use mapping_trial::difficulty::Panel;
 use mapping_trial::experiment::stats::Interval;
+use mapping_trial::experiment::survey::Condition;
 use mapping_trial::feedback::{
     DifficultySource, LinkError, PanelDifficulty, RatedWorld, Rating, RatingLink,
 };
 use mapping_trial::names::printable;
-use mapping_trial::trial::{TrialLog, TrialReport};
+use mapping_trial::robot::Robot;
+use mapping_trial::trial::{TrialLog, TrialReport, TrialSettings};
 use serde::Serialize;
 
 use crate::{json, stdout};
@@ -44,6 +47,9 @@ struct Session {
     ratings: Dials<Rating>,
     /// The difficulty by the reference panel.
     panel: PanelDifficulty,
+    /// The settings, such as the robot's body, that are those of no condition of the panel.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    unlike_panel: Vec<&'static str>,
 }
 
 /// The output.
@@ -129,8 +135,27 @@ fn session(path: &Path) -> Result<Result<Session, String>, Box<dyn Error>> {
         operator: feedback.name,
         world: world.provenance.name(),
         world_digest: report.world_digest,
+        unlike_panel: unlike_panel(&report.settings),
         panel,
     }))
+}
+
+/// The names of the settings that make a session another task than the panel's.
+fn unlike_panel(settings: &TrialSettings) -> Vec<&'static str> {
+    let panel = Panel::reference();
+    let is_in = |is_same: &dyn Fn(&Condition) -> bool| panel.conditions.iter().any(is_same);
+    // The time limit may have raised the charge.
+    let has_body = |one: &Condition| {
+        let battery = one.robot.battery;
+        Robot { battery, ..settings.body.clone() } == one.robot
+    };
+    let all = [
+        ("robots", settings.robots == 1),
+        ("body", is_in(&has_body)),
+        ("laser", is_in(&|one| one.laser == settings.laser)),
+        ("odometry", is_in(&|one| one.odometry == settings.odometry)),
+    ];
+    all.into_iter().filter(|(_, is_known)| !is_known).map(|(name, _)| name).collect()
 }
 
 impl DialLink {
@@ -194,6 +219,10 @@ fn text(links: &Links) -> String {
             )
             .ok();
         }
+        if !session.unlike_panel.is_empty() {
+            let names = session.unlike_panel.join(", ");
+            writeln!(text, "{:>12} not as in the panel: {names}", "settings").ok();
+        }
     }
     text.push('\n');
     for (name, dial) in dials {
@@ -205,6 +234,11 @@ fn text(links: &Links) -> String {
             None => format!("not linked: {}", dial.failure.as_deref().unwrap_or_default()),
         };
         writeln!(text, "{name:>12}: {line}").ok();
+        if dial.link.is_some_and(|link| link.correlation <= 0.0) {
+            let reason =
+                "the ratings do not rise with the difficulty, so the linked ones say nothing";
+            writeln!(text, "{:>12}  {reason}", "").ok();
+        }
     }
     for reason in left_out {
         writeln!(text, "left out: {}", printable(reason)).ok();

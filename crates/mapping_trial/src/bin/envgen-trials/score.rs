@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use envgen::export::ros_map::{RosCell, RosMap};
-use envgen::geometry::Pose;
+use envgen::geometry::{Pose, wrap_angle};
 use envgen::import;
 use envgen::import::ros_map::read_ros_map;
 use envgen::located::Locate;
@@ -22,7 +22,7 @@ use serde::Serialize;
 
 use crate::spinner::spinner;
 use crate::start_argument::start;
-use crate::trajectory_gaps::{Gaps, missing_share};
+use crate::trajectory_gaps::{Gaps, LONGEST, missing_share};
 use crate::usage::Usage;
 use crate::warning::{warn, warn_of_map};
 use crate::{json, stdout};
@@ -36,6 +36,15 @@ const NARROW: &str = "(length: 0.22, width: 0.22, swing_radius: 0.16, laser_offs
 /// Least fraction of a map's walls that have to be near true ones for no warning of the frame: in a wrong frame up to
 /// three tenths were.
 const LEAST_PRECISION: f64 = 0.5;
+
+/// Greatest error of positions in metres that is right enough for a warning of the headings, and for none of the frame.
+const RIGHT: f64 = 0.5;
+
+/// Least median error of headings in radians for a warning of the headings.
+const WRONG_HEADINGS: f64 = 0.5;
+
+/// Least error of positions as they are, in times of that after the alignment, for a warning of the frame.
+const WRONG_FRAME: f64 = 4.0;
 
 /// Greatest fraction of the true path for which an estimate may be missing without a warning.
 const MOST_MISSING: f64 = 0.1;
@@ -161,8 +170,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         if let Some((start, end)) = track.gaps.longest() {
             let (path, count) = (path.display(), track.gaps.count());
             warn(&format!(
-                "{path}: true poses are missing, for the longest time from {start} s to {end} s: estimated poses in \
-                 gaps are not scored (gaps: {count})"
+                "{path}: true poses are more than {LONGEST} s apart while the robot moves, for the longest time from \
+                 {start} s to {end} s: estimated poses between them are not scored (gaps: {count})"
             ));
         }
     }
@@ -224,6 +233,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             ));
         }
     }
+    if let Some(trajectory) = &trajectory {
+        warn_of_trajectory(&tracks, frame, trajectory);
+    }
 
     let report = Report {
         world: world.provenance.name(),
@@ -241,6 +253,32 @@ fn ground_share(ros_map: &RosMap, scores: &MapScores) -> f64 {
     let free = ros_map.cells.iter().filter(|cell| **cell == RosCell::Free).count() as f64;
     let free_area = free * ros_map.resolution * ros_map.resolution;
     scores.coverage * scores.free_area / free_area.max(f64::MIN_POSITIVE)
+}
+
+/// Warns about a trajectory in another frame than the map's, and about headings that are not those of the motion.
+fn warn_of_trajectory(tracks: &[Track], frame: Pose, trajectory: &Trajectory) {
+    let [as_is, aligned] =
+        [&trajectory.as_is, &trajectory.aligned].map(|scores| scores.trajectory_error);
+    if as_is > RIGHT.max(WRONG_FRAME * aligned) {
+        warn(&format!(
+            "the trajectory errs by {as_is:.2} m as it is, and by {aligned:.2} m after the alignment: check --frame and \
+             --start, which are those of the map and of the trajectory"
+        ));
+    }
+    let mut errors: Vec<f64> = Vec::new();
+    for (truth, estimated) in tracks.iter().map(Track::pairs) {
+        let pairs = truth.iter().zip(&estimated);
+        errors.extend(pairs.map(|(a, b)| wrap_angle(a.heading - frame.compose(*b).heading).abs()));
+    }
+    errors.sort_by(f64::total_cmp);
+    let median = errors.get(errors.len() / 2).copied().unwrap_or_default();
+    if as_is <= RIGHT && median > WRONG_HEADINGS {
+        warn(&format!(
+            "half of the headings err by more than {:.0} degrees, although the positions are right: check the order of \
+             the quaternions, which is qx qy qz qw",
+            median.to_degrees()
+        ));
+    }
 }
 
 fn read_tum(path: &Path) -> Result<Vec<TimedPose>, Box<dyn Error>> {

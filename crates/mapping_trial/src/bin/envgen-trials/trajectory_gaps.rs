@@ -6,8 +6,12 @@ use mapping_trial::tum::TimedPose;
 /// The distance in metres on the true path between two poses of an estimate that does not count as missing.
 const GAP: f64 = 1.0;
 
-/// The least duration of a gap between true poses, in seconds and in times of the usual one.
-const LEAST_DURATION: (f64, f64) = (0.5, 5.0);
+/// The longest time in seconds between true poses of a moving robot between which its pose is interpolated: a robot that
+/// brakes by 1 m/s^2 is within a centimetre of it.
+pub(crate) const LONGEST: f64 = 0.25;
+
+/// The time in seconds from a true pose for which it is known, also in a gap.
+const NEAR: f64 = 0.02;
 
 /// The least motion in a gap between true poses, in metres and radians.
 const LEAST_MOTION: f64 = 0.05;
@@ -17,17 +21,13 @@ pub(crate) struct Gaps(Vec<(f64, f64)>);
 
 impl Gaps {
     pub(crate) fn of(truth: &[TimedPose]) -> Self {
-        let lasts = |pair: &[TimedPose]| pair[1].time - pair[0].time;
-        let mut durations: Vec<f64> = truth.windows(2).map(lasts).collect();
-        durations.sort_by(f64::total_cmp);
-        let usual = durations.get(durations.len() / 2).copied().unwrap_or_default();
-        let least = LEAST_DURATION.0.max(LEAST_DURATION.1 * usual);
+        let is_long = |pair: &&[TimedPose]| pair[1].time - pair[0].time > LONGEST;
         let moves = |pair: &&[TimedPose]| {
             let (a, b) = (pair[0].pose, pair[1].pose);
             a.position.distance(b.position) > LEAST_MOTION
                 || wrap_angle(b.heading - a.heading).abs() > LEAST_MOTION
         };
-        let gaps = truth.windows(2).filter(|pair| lasts(pair) > least).filter(moves);
+        let gaps = truth.windows(2).filter(is_long).filter(moves);
         Gaps(gaps.map(|pair| (pair[0].time, pair[1].time)).collect())
     }
 
@@ -40,10 +40,10 @@ impl Gaps {
         self.0.iter().copied().max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))
     }
 
-    /// Whether a time lies in a gap, without its ends.
+    /// Whether a time lies in a gap, and not close to an end of it.
     pub(crate) fn contain(&self, time: f64) -> bool {
-        let after = self.0.partition_point(|gap| gap.1 <= time);
-        self.0.get(after).is_some_and(|gap| gap.0 < time)
+        let after = self.0.partition_point(|gap| gap.1 - NEAR <= time);
+        self.0.get(after).is_some_and(|gap| gap.0 + NEAR < time)
     }
 }
 
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn gaps_are_where_the_robot_moves_unseen() {
-        for step in [0.05, 1.0] {
+        for step in [0.05, 0.2] {
             let mut truth = poses(step, 20.0);
             assert_eq!(Gaps::of(&truth).longest(), None);
             truth.retain(|pose| pose.time <= 8.0 || pose.time >= 14.0);
@@ -113,11 +113,16 @@ mod tests {
             assert_eq!(gaps.count(), 1);
             assert!(gaps.contain(8.5) && gaps.contain(13.9));
             assert!(!gaps.contain(start) && !gaps.contain(end) && !gaps.contain(3.0));
+            assert!(!gaps.contain(start + 0.01) && !gaps.contain(end - 0.01));
+            assert!(gaps.contain(start + 0.03) && gaps.contain(end - 0.03));
             // A robot that does not move was where it is.
             truth.iter_mut().for_each(|pose| pose.pose = Pose::default());
             assert_eq!(Gaps::of(&truth).longest(), None);
         }
-        assert_eq!(Gaps::of(&poses(9.0, 9.0)).longest(), None);
+        // Where poses are rare, each pair of them has a gap in between.
+        let rare = Gaps::of(&poses(1.0, 20.0));
+        assert_eq!((rare.count(), rare.longest()), (20, Some((19.0, 20.0))));
+        assert!(rare.contain(3.5) && !rare.contain(3.0) && !rare.contain(4.0));
         assert_eq!(Gaps::of(&[]).longest(), None);
     }
 }
