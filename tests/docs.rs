@@ -264,7 +264,9 @@ fn drivers_are_sent_the_fields_that_the_protocol_documents() {
     let documented: Value = serde_json::from_str(example).unwrap();
     let (settings, starts) = (TrialSettings::default(), [Pose::new(4.5, 1.5, 0.0)]);
     let area = Rect::new(Pose::default().position, Pose::new(48.0, 48.0, 0.0).position);
-    let hello = Hello::new(&Setup { settings: &settings, starts: &starts, area, scenario: None });
+    let doors = false;
+    let setup = Setup { settings: &settings, starts: &starts, area, doors, scenario: None };
+    let hello = Hello::new(&setup);
     let sent = serde_json::to_value(&hello).unwrap();
     assert_eq!(fields(&sent), fields(&documented));
     assert_eq!(sent["robot"], documented["robot"]);

@@ -46,6 +46,7 @@ pub struct Autonomy {
     body: Robot,
     laser: LaserProfile,
     area: Rect,
+    doors: bool,
     /// Each robot's last scan, empty before the first.
     scans: Vec<Scan>,
     /// Each robot's motion since then.
@@ -77,12 +78,21 @@ impl Autonomy {
             body: body.clone(),
             laser: laser.clone(),
             area,
+            doors: false,
             scans: vec![Scan { ranges: Vec::new() }; robots],
             since_scan: vec![Pose::default(); robots],
             water: vec![Vec::new(); robots],
             decisions: vec![Decision::Drive(Command::STOP); robots],
             ticks: vec![0; robots],
         }
+    }
+
+    /// Tells the policy whether there are doors that open and close ([`PolicyInput::doors`]); by default there
+    /// are none.
+    #[must_use]
+    pub fn with_doors(mut self, doors: bool) -> Self {
+        self.doors = doors;
+        self
     }
 
     /// Processes an observation of a robot: updates its pose estimate and the map.
@@ -119,6 +129,7 @@ impl Autonomy {
                 body: &self.body,
                 laser: &self.laser,
                 area: self.area,
+                doors: self.doors,
             });
         }
         self.decisions[robot]

@@ -44,6 +44,8 @@ pub struct Hello {
     starts: Vec<[f64; 3]>,
     /// Least x, least y, greatest x and greatest y of the area to map.
     area: [f64; 4],
+    /// Whether there are doors that open and close.
+    doors: bool,
     robot: RobotNumbers,
     laser: LaserNumbers,
 }
@@ -75,7 +77,7 @@ struct LaserNumbers {
 impl Hello {
     /// Creates the hello of a trial.
     pub fn new(setup: &Setup<'_>) -> Self {
-        let Setup { settings, starts, area, .. } = setup;
+        let Setup { settings, starts, area, doors, .. } = setup;
         let TrialSettings { body: robot, laser, time_limit, .. } = settings;
         Hello {
             protocol: PROTOCOL,
@@ -85,6 +87,7 @@ impl Hello {
             robots: starts.len(),
             starts: starts.iter().copied().map(triple).collect(),
             area: [area.min.x, area.min.y, area.max.x, area.max.y],
+            doors: *doors,
             robot: RobotNumbers {
                 length: robot.length,
                 width: robot.width,

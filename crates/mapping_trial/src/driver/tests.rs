@@ -58,6 +58,7 @@ fn hello(robots: usize) -> Hello {
         settings: &TrialSettings::default(),
         starts: &starts,
         area: area(),
+        doors: false,
         scenario: None,
     })
 }
@@ -82,6 +83,7 @@ fn decide(
         body: &body,
         laser: &laser,
         area: area(),
+        doors: false,
     })
 }
 

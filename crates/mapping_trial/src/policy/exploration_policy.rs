@@ -32,6 +32,8 @@ pub struct PolicyInput<'a> {
     /// The area to map in the map's frame, which is the bounds of the world. Robots may leave it, but
     /// what lies outside is not scored.
     pub area: Rect,
+    /// Whether there are doors that open and close, so that what looks like a wall may be a closed door.
+    pub doors: bool,
 }
 
 /// A policy's decision on what a robot does.

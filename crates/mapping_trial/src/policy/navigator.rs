@@ -1,6 +1,8 @@
 //! The navigator that all policies share: one costmap and one set of frontiers, and for each robot a
 //! pilot that drives it to goals, looks around there, and frees it when it is stuck.
 
+mod closed_doors;
+mod door_rounds;
 mod escape;
 mod goal_choice;
 mod progress;
@@ -103,7 +105,10 @@ impl Navigator {
                 }
                 Task::Choose => {
                     self.plan_for(view.robot, false);
-                    if !(self.choose(view, pose, aim) || self.look_again(view, pose, aim)) {
+                    let found = self.choose(view, pose, aim)
+                        || self.look_again(view, pose, aim)
+                        || matches!(aim, Aim::Explore(_)) && self.look_for_doors(view, pose);
+                    if !found {
                         self.pilots[view.robot].task = Task::Rest { since: view.seen.time };
                         return None;
                     }
@@ -198,6 +203,7 @@ impl Navigator {
         for &p in view.water {
             self.costmap.mark_water(p);
         }
+        self.doors.visit(pose.position);
     }
 
     /// Whether the map shows a frontier anywhere in the area to map.

@@ -38,6 +38,7 @@ pub(in crate::policy) fn input<'a>(
         body,
         laser,
         area: Rect::new(DVec2::splat(-100.0), DVec2::splat(100.0)),
+        doors: false,
     }
 }
 

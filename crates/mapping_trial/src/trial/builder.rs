@@ -210,8 +210,9 @@ impl<'w> TrialBuilder<'w> {
             let area = self.area(self.starts[0])?;
             self.settings.limit_time(area);
         }
-        let TrialBuilder { settings, starts, world, .. } = self;
-        Ok(Setup { settings, starts, area: world.bounds, scenario: None })
+        let TrialBuilder { settings, starts, world, scenario, .. } = self;
+        let doors = has_doors(scenario.as_ref());
+        Ok(Setup { settings, starts, area: world.bounds, doors, scenario: None })
     }
 
     /// The area in square metres that can be mapped from a start: that of the reference, or else
@@ -303,8 +304,9 @@ impl<'w> TrialBuilder<'w> {
         self.setup()?;
         let TrialBuilder { world, parts, settings, starts, source, scenario, state, .. } =
             &mut self;
-        let setup = Setup { settings, starts, area: world.bounds, scenario: state.as_ref() };
-        // Robots do not know what moves.
+        let doors = has_doors(scenario.as_ref());
+        let setup = Setup { settings, starts, area: world.bounds, doors, scenario: state.as_ref() };
+        // Robots know that there are doors, but not where they are, nor what else moves.
         let blind = Setup { scenario: None, ..setup };
         let slam = parts.make_slam(&blind);
         let policy = parts.make_policy(&blind);
@@ -326,7 +328,8 @@ impl<'w> TrialBuilder<'w> {
                 &settings.body,
                 &settings.laser,
                 world.bounds,
-            ),
+            )
+            .with_doors(doors),
             bodies,
             observer,
             foreign,
@@ -348,6 +351,10 @@ impl<'w> TrialBuilder<'w> {
             settings: self.settings,
         })
     }
+}
+
+fn has_doors(scenario: Option<&Scenario>) -> bool {
+    scenario.is_some_and(|scenario| !scenario.doors.is_empty())
 }
 
 impl Trial<FlatSimulator> {

@@ -22,6 +22,8 @@ pub struct Setup<'a> {
     pub starts: &'a [Pose],
     /// The area to map, in the map's frame: the bounds of the world.
     pub area: Rect,
+    /// Whether there are doors that open and close: what looks like a wall may be a closed door.
+    pub doors: bool,
     /// The doors, people and smoke at the start, for the robot backend only; `None` if nothing moves.
     pub scenario: Option<&'a ScenarioState>,
 }

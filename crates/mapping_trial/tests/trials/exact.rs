@@ -114,6 +114,7 @@ impl Run {
                         body: &self.robot,
                         laser: &self.laser,
                         area: self.area,
+                        doors: false,
                     });
                     (commands[robot], ends[robot]) = match decision {
                         Decision::Drive(command) => (command, None),

@@ -182,7 +182,7 @@ fn trajectories_are_doubted(folder: &Path, map: &[&str]) {
     assert!(sparse["trajectory"]["outside"].as_u64() > Some(1000), "{sparse}");
     for error in ["trajectory_error", "relative_error_near", "relative_error_far"] {
         let errors = [&exact, &sparse].map(|found| found["trajectory"]["as_is"][error].as_f64());
-        assert!(errors.iter().all(|error| error.is_none_or(|error| error < 1e-6)), "{errors:?}");
+        assert!(errors.iter().all(|error| error.is_none_or(|error| error < 0.02)), "{errors:?}");
     }
     let mapping = [&exact, &sparse].map(|found| found["mapping"].as_f64().expect("M"));
     assert!((mapping[0] - mapping[1]).abs() < 0.01, "{mapping:?}");

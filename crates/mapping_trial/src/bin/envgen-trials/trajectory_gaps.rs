@@ -13,8 +13,9 @@ pub(crate) const LONGEST: f64 = 0.25;
 /// The time in seconds from a true pose for which it is known, also in a gap.
 const NEAR: f64 = 0.02;
 
-/// The least motion in a gap between true poses, in metres and radians.
-const LEAST_MOTION: f64 = 0.05;
+/// The least motion in a gap between true poses, in metres and radians. An error of this heading is one of 10 cm after
+/// 20 m.
+const LEAST_MOTION: f64 = 0.005;
 
 /// The gaps of a true trajectory, in which the robot moves and its poses are not known.
 pub(crate) struct Gaps(Vec<(f64, f64)>);

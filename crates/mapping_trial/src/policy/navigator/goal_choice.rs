@@ -15,7 +15,7 @@ use crate::policy::search::{COST_PER_METRE, GridPlanner, KeepoutZone};
 const IN_SIGHT: f64 = 0.6;
 
 /// Radius in metres around another robot's goal that is left to that robot.
-const TAKEN: f64 = 2.0;
+pub(super) const TAKEN: f64 = 2.0;
 
 /// The input for the choice of a goal: everything that is known, and the robot's pose.
 pub(in crate::policy) struct Planning<'a> {
@@ -116,6 +116,8 @@ impl Navigator {
                 };
                 let cell = self.frontiers.nearest_cell(cluster, point, is_open);
                 let frontier = cell.map_or(point, CellIndex::centre);
+                self.pilots[view.robot].second.note_goal();
+                self.doors.note_goal();
                 self.set_path(view, node, Goal::Frontier(frontier), squeezes);
                 true
             }
@@ -129,6 +131,7 @@ impl Navigator {
         let Navigator { costmap, search, blocks, .. } = self;
         search.set_worst_allowed(CellCost::Tight);
         let Some(node) = search.to(costmap, pose.position, blocks, place) else { return false };
+        self.pilots[view.robot].second.note_goal();
         self.set_path(view, node, Goal::Place(place), false);
         true
     }
@@ -208,11 +211,16 @@ impl Navigator {
         choose(&mut Planning { costmap, frontiers, search, pose, blocks, limit })
     }
 
-    fn set_path(&mut self, view: &PolicyInput<'_>, node: Node, goal: Goal, squeezes: bool) {
+    pub(super) fn set_path(
+        &mut self,
+        view: &PolicyInput<'_>,
+        node: Node,
+        goal: Goal,
+        squeezes: bool,
+    ) {
         let cost = self.search.cost(node).unwrap_or(0);
         self.search.path_to(&self.costmap, node, &mut self.cells);
         let pilot = &mut self.pilots[view.robot];
-        pilot.second.note_goal();
         pilot.path.set(&mut self.costmap, &self.cells);
         let length = f64::from(cost) / f64::from(COST_PER_METRE);
         let deadline = self.margins.limit(view.seen.time, 30.0) + length / self.margins.slowest;

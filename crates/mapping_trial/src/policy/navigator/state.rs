@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use glam::DVec2;
 
+use super::door_rounds::DoorRounds;
 use super::progress::Progress;
 use crate::lidar::LaserProfile;
 use crate::policy::PolicyInput;
@@ -46,6 +47,7 @@ pub(in crate::policy) struct Navigator {
     pub(super) blocks: Vec<KeepoutZone>,
     pub(super) cells: Vec<DVec2>,
     pub(in crate::policy) margins: Margins,
+    pub(super) doors: DoorRounds,
 }
 
 /// A frontier that could not be uncovered.
@@ -149,6 +151,7 @@ impl Navigator {
             blocks: Vec::new(),
             cells: Vec::new(),
             margins: Margins::of(robot, laser),
+            doors: DoorRounds::default(),
         }
     }
 
