@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use envgen::geometry::{Pose, Rect};
 use glam::{DVec2, IVec2};
 
-use super::door_rounds::{SQUARE, around, between, centre, square_of};
+use super::door_rounds::{SQUARE, around, between, centre, side, square_of};
 use super::goal_choice::TAKEN;
 use super::state::{Goal, Navigator, Task};
 use crate::map::{Cell, CellIndex};
@@ -54,7 +54,11 @@ impl Navigator {
         let Navigator { costmap, search, blocks, doors, .. } = self;
         search.set_worst_allowed(CellCost::Tight);
         search.nearest(costmap, pose.position, blocks, |_, _| false);
-        let rooms = hidden_rooms(costmap, search, view.area);
+        // No place is beside what is far from the map.
+        let near = f64::from(BESIDE + ROOM) * side();
+        let Some(known) = view.map.bounds().map(|known| known.grown(near)) else { return };
+        let (min, max) = (view.area.min.max(known.min), view.area.max.min(known.max));
+        let rooms = hidden_rooms(costmap, search, Rect { min, max });
         // One room that is found may lead to others.
         let is_first = doors.places.is_none();
         if is_first || rooms.len() + (ROOM * ROOM) as usize <= doors.rooms {
@@ -66,7 +70,8 @@ impl Navigator {
         doors.places = Some(places);
     }
 
-    /// Drives to the nearest place that is left and that no other robot drives to. Returns false if there is none.
+    /// Drives to the nearest place that is left, and if possible not near where another robot drives to. Returns
+    /// false if there is none.
     fn drive_to_place(&mut self, view: &PolicyInput<'_>, pose: Pose) -> bool {
         let Navigator { costmap, search, blocks, doors, pilots, .. } = self;
         let Some(places) = &doors.places else { return false };
@@ -78,9 +83,12 @@ impl Navigator {
             })
             .collect();
         let is_taken = |p: DVec2| taken.iter().any(|at| at.distance(p) < TAKEN);
+        let nodes = |&(x, y): &(i32, i32)| nodes_in(costmap, x, y).map(|node| node.0);
         let open = places.iter().filter(|(x, y)| !is_taken(centre(*x, *y)));
-        let nodes = |&(x, y): &(i32, i32)| nodes_in(costmap, x, y);
-        let mut goals: Vec<u32> = open.flat_map(nodes).map(|node| node.0).collect();
+        let mut goals: Vec<u32> = open.flat_map(nodes).collect();
+        if goals.is_empty() {
+            goals.extend(places.iter().flat_map(nodes));
+        }
         if goals.is_empty() {
             return false;
         }

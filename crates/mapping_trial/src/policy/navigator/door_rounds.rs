@@ -57,7 +57,7 @@ impl DoorRounds {
 }
 
 /// Length of a square in metres.
-fn side() -> f64 {
+pub(super) fn side() -> f64 {
     f64::from(SQUARE) * RESOLUTION
 }
 
