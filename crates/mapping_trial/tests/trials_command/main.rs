@@ -69,6 +69,7 @@ fn bad_arguments_end_with_2_and_bad_worlds_with_1() {
         ["--laser", "lidar"],
         ["--laser", "bad.ron"],
         ["--odometry", "bad.ron"],
+        ["--time-per-area", "0"],
         ["--driver", ""],
     ] {
         assert_eq!(code("room.ron", &options), Some(2), "{options:?}");

@@ -19,6 +19,7 @@ use mapping_trial::policy::PolicyKind;
 use mapping_trial::profile::{self, named_or_read};
 use mapping_trial::robot::Robot;
 use mapping_trial::slam::{SlamKind, WheelCalibration};
+use mapping_trial::trial::TrialSettings;
 
 use crate::survey;
 use crate::usage::Usage;
@@ -62,6 +63,11 @@ pub(crate) struct PanelOptions {
     /// starts the program once, and several run at the same time.
     #[arg(long, value_name = "COMMAND", conflicts_with = "policy")]
     driver: Option<String>,
+
+    /// Simulated time per square metre that can be mapped after which each trial ends, at least 300 s in all [default: that
+    /// of the panel, 2 for a robot of 0.7 m/s].
+    #[arg(long, value_name = "SECONDS")]
+    time_per_area: Option<f64>,
 
     /// The folder of the anchors' trials, which define the scale of a panel [default: a folder for each panel]. The
     /// scale of the reference panel is built in; it is measured only with this option or --anchor-seeds.
@@ -137,6 +143,14 @@ impl PanelOptions {
                 // in it alone become one.
                 one.policy = Condition::default().policy;
                 one.driver = Some(line.clone());
+            });
+        }
+        if let Some(seconds) = self.time_per_area {
+            TrialSettings { time_per_area: Some(seconds), ..Default::default() }
+                .validate()
+                .map_err(|error| Usage(format!("--time-per-area {seconds}: {error}")))?;
+            change(&mut panel, &format!("{seconds} s/m^2"), |one| {
+                one.time_per_area = Some(seconds)
             });
         }
         Ok(panel)
@@ -258,6 +272,7 @@ mod tests {
             wheel_calibration: None,
             policy: None,
             driver: None,
+            time_per_area: None,
             anchors: None,
             anchor_seeds: None,
         }

@@ -32,7 +32,8 @@ pub(crate) fn warn_of_coverage(measurement: &Measurement) {
     let coverage = shares.sum::<f64>() / measurement.conditions.len() as f64;
     if coverage < LEAST_COVERAGE {
         warn(&format!(
-            "the trials covered only {:.0} % of the ground: their scores say little of the world",
+            "the trials covered only {:.0} % of the ground: their scores say little of the world (--time-per-area gives more \
+             time)",
             100.0 * coverage
         ));
     }
