@@ -71,7 +71,7 @@ impl Navigator {
     }
 
     /// Drives to the nearest place that is left, and if possible not near where another robot drives to. Returns
-    /// false if there is none.
+    /// false if no place is left.
     fn drive_to_place(&mut self, view: &PolicyInput<'_>, pose: Pose) -> bool {
         let Navigator { costmap, search, blocks, doors, pilots, .. } = self;
         let Some(places) = &doors.places else { return false };
