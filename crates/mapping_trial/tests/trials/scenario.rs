@@ -13,7 +13,7 @@ use mapping_trial::backend::{Command, RobotBackend};
 use mapping_trial::flat::FlatSimulator;
 use mapping_trial::lidar::LaserProfile;
 use mapping_trial::odometry::OdometryProfile;
-use mapping_trial::trial::{Trial, TrialLog, TrialSettings};
+use mapping_trial::trial::{EndReason, Trial, TrialLog, TrialSettings};
 
 fn hall(width: f64, height: f64, start: Pose) -> World {
     let bounds = Rect::new(DVec2::ZERO, DVec2::new(width, height));
@@ -232,6 +232,25 @@ fn commands_to_doors_that_no_trial_has_are_refused() {
     let mut trial = Trial::flat(&indoor(3), settings(5.0)).expect("a trial");
     let error = trial.command_door(0, DoorCommand::Open).expect_err("no doors").to_string();
     assert!(error.starts_with("`door` must be in a trial with a scenario"), "{error}");
+}
+
+#[test]
+fn rooms_behind_doors_that_were_closed_are_mapped() {
+    // Without the search for closed doors, the coverage is 87 % and 81 %.
+    for seed in [1, 3] {
+        let spec = IndoorSpec { width: 5, height: 5, difficulty: 5.0, ..Default::default() };
+        let world = spec.generate(Seed(seed)).expect("a map").to_world();
+        let moving = ScenarioSpec { doors: 1.0, ..Default::default() };
+        let scenario = Scenario::new(&world, &moving, Seed(seed)).expect("a scenario");
+        let settings = TrialSettings { seed: Seed(seed), ..Default::default() };
+        let mut trial =
+            Trial::builder(&world, settings).scenario(scenario).build_flat().expect("a trial");
+        while trial.step() {}
+        let scores = trial.score(&trial.reference(&world).expect("a start")).expect("scores");
+        assert!(scores.coverage > 0.95, "{seed}: {}", scores.coverage);
+        let end = trial.end_of(0).map(|end| end.reason);
+        assert_eq!(end, Some(EndReason::Explored), "{seed}");
+    }
 }
 
 #[test]
